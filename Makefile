@@ -93,11 +93,11 @@ demo: build-packages ## draw projects/demo again
 
 film: build-packages ## film the window at work, the picture at the top of README (wants Xvfb, openbox, xdotool, ffmpeg)
 	cargo build --release
-	assets/readme/film target/release/touchline
+	assets/readme/film $(TARGET)/release/touchline
 
 pictures: build-packages ## take the pictures of the user guide and of README in the window (wants the same)
 	cargo build --release
-	assets/guide/take-pictures target/release/touchline
+	assets/guide/take-pictures $(TARGET)/release/touchline
 
 # What the reports say they were built from.
 experiments experiments-real: export TOUCHLINE_COMMIT = $(shell git describe --always --dirty 2>/dev/null)

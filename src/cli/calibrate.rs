@@ -1,11 +1,14 @@
 //! `touchline calibrate`: makes a project with its camera from frames alone.
 
 use super::Outcome;
-use super::document::{Loaded, is_document};
+use super::document::{Loaded, is_document, refuse_unwritable};
 use super::match_report::MatchReport;
 use super::messages::Messages;
 use super::new::{parameter, read_field};
-use super::output::{encode_png, refuse_existing, refuse_file, refuse_other_than_png, write_file};
+use super::output::{
+    encode_png, refuse_existing, refuse_existing_file, refuse_file, refuse_other_than_png,
+    write_file,
+};
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, RgbaImage};
 use std::num::NonZeroUsize;
@@ -14,6 +17,7 @@ use std::path::{Path, PathBuf};
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
 use touchline_calibration::calibrate::AutocalibratedCamera;
 use touchline_calibration::pipelines::{LabelledMatch, MatchLabels, MatchOptions, label_match};
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::store::{Location, refuse_open, write_document};
@@ -73,18 +77,21 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     refuse_file(&args.output, "the project")?;
     if let Some(panorama) = &args.panorama {
         refuse_other_than_png("--panorama", panorama)?;
-        refuse_existing(panorama, args.force)?;
+        refuse_existing_file(panorama, args.force)?;
     }
     // The document names its frames relative to the project's folder, which therefore must exist.
-    let folder = std::path::absolute(&args.output)?;
-    let new_folder = NewFolder::make(&folder)?;
+    // Its links are resolved: `..` in such a name goes up from where a link leads.
+    let new_folder = NewFolder::make(&args.output)?;
+    let folder = args.output.canonicalize()?;
     let (mut document, are_all_read) = if is_document(&args.frames) {
         (read_document(args, &folder, messages)?, true)
     } else {
         document_of_frames(args, &folder, messages)?
     };
+    refuse_unwritable(&document, &folder)?;
     messages.name_video_backend(&document);
-    // All frames are of one camera: a new document has one, and `read_document` refuses others.
+    // `read_document` refuses a second camera. Images of another size than the first one's have
+    // one, and count as frames without an answer.
     let first = document.frames.first();
     let camera = first.context("not one image can be read")?.camera.clone();
     let options = MatchOptions {
@@ -111,7 +118,10 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         MatchLabels::Labelled(labelled) => labelled,
         MatchLabels::NoCamera(why) => {
             // Dropping `new_folder` removes the folder, if this run made it.
-            return Ok(say_no_answer(args, &why.describe(&document), messages));
+            // Input and usage are right, so that the exit code is 1.
+            let why = why.describe(&document);
+            messages.error(&format!("{}: {why}", args.frames.display()));
+            return Ok(Outcome::SomeFailed);
         }
     };
     // Write the project and the panoramas.
@@ -120,9 +130,9 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     write_document(&location, &document, args.force)?;
     new_folder.keep();
     messages.note(&format!(
-        "{}: {} frames, {} with a suggested camera, {} of them aligned to the painted lines",
+        "{}: {}, {} with a suggested camera, {} of them aligned to the painted lines",
         location.file().display(),
-        document.frames.len(),
+        pluralise(document.frames.len(), "frame"),
         all.iter().map(|found| found.frames.len()).sum::<usize>(),
         all.iter()
             .map(|found| found.aligned_frame_count())
@@ -215,13 +225,6 @@ fn document_of_frames(
         messages.frame_failed(name, &error.to_string());
     }
     Ok((made.document, made.left_out.is_empty()))
-}
-
-/// Reports why no camera was found. Input and usage are right, so that the exit code is 1; no
-/// project is written.
-fn say_no_answer(args: &CalibrateArgs, why: &str, messages: Messages) -> Outcome {
-    messages.error(&format!("{}: {why}", args.frames.display()));
-    Outcome::SomeFailed
 }
 
 /// The file for the panorama of a camera: as named for the first one, with a number for others.

@@ -3,7 +3,9 @@
 use super::Outcome;
 use super::document::Loaded;
 use super::messages::Messages;
-use super::output::{ending, print, refuse_existing, write_file, write_report};
+use super::output::{
+    ending, print, refuse_existing, refuse_existing_file, refuse_file, write_file, write_report,
+};
 use serde_json::{Map, Value, json};
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
@@ -12,6 +14,7 @@ use touchline_calibration::evaluate::{
     agreement_tables, compare_on_ground, evaluate as evaluated, evaluation_report,
     evaluation_tables, frame_scores,
 };
+use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::read_picture_points;
 use touchline_documents::report::Table;
 
@@ -82,8 +85,12 @@ const NAMED: usize = 5;
 /// A document cannot be read, a field is invalid, the truth has neither cameras nor clicks, or the
 /// result cannot be written.
 pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    for path in args.output.iter().chain(&args.report) {
-        refuse_existing(path, args.force)?;
+    if let Some(file) = &args.output {
+        refuse_existing_file(file, args.force)?;
+    }
+    if let Some(folder) = &args.report {
+        refuse_existing(folder, args.force)?;
+        refuse_file(folder, "the report")?;
     }
     let Loaded {
         location: true_location,
@@ -165,9 +172,8 @@ fn without_truth(names: &[String]) -> Option<String> {
     } else {
         String::new()
     };
-    (count > 0).then(|| {
-        format!("{count} frames of the estimate have no truth and are left out: {shown}{more}")
-    })
+    let frames = pluralise(count, "frame");
+    (count > 0).then(|| format!("{frames} of the estimate without truth, left out: {shown}{more}"))
 }
 
 /// The complete result as JSON.

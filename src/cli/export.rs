@@ -234,10 +234,7 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
     // two rows.
     let rows = rows.map(|line| {
         let (raw, focal) = line.split_once([',', ' ', '\t'])?;
-        Some((
-            raw.trim().parse::<f64>().ok()?,
-            focal.trim().parse::<f64>().ok()?,
-        ))
+        Some((parse_finite(raw.trim())?, parse_finite(focal.trim())?))
     });
     let table: Option<Vec<(f64, f64)>> = rows.collect();
     match table {
@@ -372,7 +369,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
 
 #[cfg(test)]
 mod tests {
-    use super::{parse_heading, parse_width};
+    use super::{parse_heading, parse_width, zoom_of};
 
     #[test]
     fn numbers_that_mean_nothing_are_refused_and_not_ignored() {
@@ -383,5 +380,11 @@ mod tests {
             assert!(parse_width(wrong).is_err(), "{wrong}");
         }
         assert!(parse_width("0").is_err() && parse_width("-9.6").is_err());
+        let file = tempfile::NamedTempFile::new().unwrap();
+        for (rows, is_table) in [("0 900\n4096, 9e3", true), ("0 900\n4096 inf", false)] {
+            std::fs::write(file.path(), rows).unwrap();
+            let table = zoom_of(file.path().to_str().unwrap());
+            assert_eq!(table.is_ok(), is_table, "{rows}");
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::messages::Messages;
 use super::new::parameter;
-use super::output::{encode_png, ending, print, refuse_existing, write_file};
+use super::output::{encode_png, ending, print, refuse_existing_file, write_file};
 use anyhow::bail;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -239,7 +239,7 @@ fn triple(point: Vec3) -> [f64; 3] {
 }
 
 fn render(field: &FieldModel, path: &Path, force: bool) -> anyhow::Result<()> {
-    refuse_existing(path, force)?;
+    refuse_existing_file(path, force)?;
     match ending(path).as_str() {
         "svg" => write_file(path, svg(field).as_bytes(), force),
         "png" => write_file(path, &png(field)?, force),

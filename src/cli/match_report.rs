@@ -5,6 +5,7 @@ use super::track::TrackingReport;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent};
+use touchline_core::geometry::pluralise;
 
 /// Length of the bar of a search. Its steps count differently, so that it shows their share.
 const PARTS: usize = 1000;
@@ -38,6 +39,7 @@ impl MatchReport {
         let messages = self.messages;
         // A panic in another thread leaves at worst a stale bar, which is no reason to panic here.
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        // The bar goes before a message, which would run into its line otherwise.
         match event {
             MatchEvent::Searching(progress) => {
                 let bar = shown.bar.of("Finding the camera", PARTS);
@@ -45,6 +47,7 @@ impl MatchReport {
                 bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
             }
             MatchEvent::Unreadable { frame, error } => {
+                shown.bar.clear();
                 messages.frame_failed(&frame, &error.to_string());
             }
             MatchEvent::Found {
@@ -52,10 +55,10 @@ impl MatchReport {
                 found,
                 separate_frames,
             } => {
-                // A message that is written while a bar is shown would run into its line.
                 shown.bar.clear();
                 if let Some(count) = separate_frames {
-                    messages.note(&format!("{count} frames are of another camera, {camera}:"));
+                    let frames = pluralise(count, "frame");
+                    messages.note(&format!("{frames} of another camera, {camera}:"));
                 }
                 describe_found(&found, messages);
             }
@@ -67,9 +70,8 @@ impl MatchReport {
             } => {
                 shown.bar.clear();
                 let why = why.describe(&document);
-                messages.note(&format!(
-                    "{separate_frames} frames are of another camera, {camera}: {why}"
-                ));
+                let frames = pluralise(separate_frames, "frame");
+                messages.note(&format!("{frames} of another camera, {camera}: {why}"));
             }
             MatchEvent::Learning(LearningProgress::Features { done, of }) => {
                 let bar = shown.bar.of("Learning from the frames found", of);
@@ -105,9 +107,9 @@ fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
         at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.field.crown_m
     ));
     messages.note(&format!(
-        "{} frames; {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), next best answer {:.0} % of this \
+        "{}; {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), next best answer {:.0} % of this \
          one, paint {:.2} px off its lines, parts of the frames {:.2} m apart",
-        evidence.frames,
+        pluralise(evidence.frames, "frame"),
         100.0 * evidence.explained,
         100.0 * evidence.visible,
         evidence.lines.len(),

@@ -95,7 +95,11 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
     });
     let options = MendOptions { shifts };
     let mut reader = CachedReader::new(FrameReader::new(), KEPT_BYTES);
-    let mended = match mend_document(&mut document, &folder, &mut reader, &options, &progress) {
+    let mended = mend_document(&mut document, &folder, &mut reader, &options, &progress);
+    // The bar goes before the messages.
+    drop(progress);
+    drop(report);
+    let mended = match mended {
         Ok(mended) => mended,
         Err(MendError::Stopped) => {
             messages.note("stopped; nothing was written");
@@ -103,8 +107,6 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         }
         Err(error) => return Err(error.into()),
     };
-    drop(progress);
-    drop(report);
     document.count_edits_since(&before);
     messages.notes(&mended.common);
     messages.notes(&mended.not_aligned);

@@ -102,6 +102,8 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
             "the other versions of what two changed are in {}",
             written.join(", ")
         ));
+    } else {
+        messages.note("the other versions of what two changed are written only with -o");
     }
     Ok(Outcome::SomeFailed)
 }

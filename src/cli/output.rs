@@ -21,12 +21,7 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
         // A pipe is written through: nothing is replaced, and no file is created beside it.
         return Ok(());
     }
-    if !force && path.exists() && !is_empty_folder(path) {
-        bail!(
-            "{} already exists; give --force to replace it, or another -o",
-            path.display()
-        );
-    }
+    refuse_to_replace(path, force)?;
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     // Missing folders will be created, so that the first existing one must accept files.
     let Some(folder) = path.ancestors().skip(1).find(|folder| folder.exists()) else {
@@ -39,6 +34,30 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
         let (path, folder, way_out) = (path.display(), folder.display(), way_out(&error));
         anyhow!("cannot write {path}: nothing can be made in {folder}: {error}{way_out}")
     })
+}
+
+/// Refuses a path that exists, unless `force`. An empty folder counts as absent.
+fn refuse_to_replace(path: &Path, force: bool) -> anyhow::Result<()> {
+    ensure!(
+        force || !path.exists() || is_empty_folder(path),
+        "{} already exists; give --force to replace it, or another -o",
+        path.display()
+    );
+    Ok(())
+}
+
+/// Refuses what [`refuse_existing`] refuses, and a folder where a file is to be written. To be
+/// called before the work begins: no file takes the place of a folder, not even of an empty one.
+///
+/// # Errors
+/// The path exists or is a folder, or its folder does not accept files.
+pub fn refuse_existing_file(path: &Path, force: bool) -> anyhow::Result<()> {
+    ensure!(
+        !path.is_dir(),
+        "{} is a folder; give the name of a file",
+        path.display()
+    );
+    refuse_existing(path, force)
 }
 
 /// Refuses a file where a folder for something is to be written.
@@ -115,7 +134,11 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 /// The file exists and `force` was not given, it belongs to a project, or it cannot be written.
 /// Nothing has been changed then.
 pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> {
-    refuse_existing(path, force)?;
+    // Without the trial of `refuse_existing`, which lists the folder: a drawn match has thousands
+    // of pictures in one, and the write below says itself why it fails.
+    if !is_pipe_or_device(path) {
+        refuse_to_replace(path, force)?;
+    }
     refuse_part_of_project(path)?;
     // A link to a missing file exists for `symlink_metadata`, and is written through. A new file is
     // not replaced if another program makes it after this check: `write_new` refuses it.
@@ -173,6 +196,22 @@ mod tests {
         assert_eq!(std::fs::read(&path).unwrap(), b"first");
         write_file(&path, b"second", true).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"second");
+    }
+
+    #[test]
+    fn a_folder_is_refused_where_a_file_is_to_be_written_also_if_it_is_empty() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(refuse_existing(folder.path(), false).is_ok());
+        for force in [false, true] {
+            let refused = refuse_existing_file(folder.path(), force);
+            let refused = refused.unwrap_err().to_string();
+            assert!(
+                refused.ends_with("is a folder; give the name of a file"),
+                "{refused}"
+            );
+        }
+        let file = folder.path().join("forest.tlf");
+        assert!(refuse_existing_file(&file, false).is_ok());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::interrupt::Interrupt;
 use super::messages::Messages;
-use super::output::{refuse_existing, write_file};
+use super::output::{refuse_existing_file, write_file};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;
@@ -49,7 +49,7 @@ pub struct PlanArgs {
 /// cannot be written.
 pub fn plan(args: &PlanArgs, messages: Messages) -> anyhow::Result<Outcome> {
     for path in std::iter::once(&args.output).chain(&args.commands) {
-        refuse_existing(path, args.force)?;
+        refuse_existing_file(path, args.force)?;
     }
     // The videos are hashed first, which takes long: what the lines cannot name is refused here.
     let commands = match &args.commands {

@@ -184,7 +184,8 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     let withdrawn = follow_all_bases(&mut document, &before);
     if withdrawn > 0 {
         messages.note(&format!(
-            "{withdrawn} proposals for the base before are withdrawn: relocalize or track again"
+            "{} for the base before withdrawn: relocalize or track again",
+            pluralise(withdrawn, "proposal")
         ));
     }
     let failed = errors.len() + counts.failed + pictures.unreadable.len();
@@ -325,8 +326,10 @@ impl<'a> Pictures<'a> {
 fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
     let (name, seen) = (found.estimated.camera.as_str(), &found.seen);
     messages.note(&format!(
-        "{name}: painted lines: {} places on {} lines in {} frames",
-        seen.places, seen.lines, seen.frames
+        "{name}: painted lines: {} on {} in {}",
+        pluralise(seen.places, "place"),
+        pluralise(seen.lines, "line"),
+        pluralise(seen.frames, "frame")
     ));
     for (what, before, after) in [
         ("paint", seen.before.paint, seen.after.paint),

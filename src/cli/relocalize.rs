@@ -1,11 +1,11 @@
 //! `touchline relocalize`: finds the cameras of unclicked frames with a trained forest.
 
 use super::Outcome;
-use super::document::{DocumentOutput, Loaded, is_document};
+use super::document::{DocumentOutput, Loaded, is_document, refuse_unwritable};
 use super::features::{FeaturesArg, tell_refusal};
 use super::interrupt::Interrupt;
 use super::messages::Messages;
-use super::output::write_file;
+use super::output::{ending, write_file};
 use anyhow::{Context as _, anyhow, ensure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -15,11 +15,12 @@ use touchline_calibration::proposals::{
     CameraOfSizeError, Coverage, KeyWindow, TrainingFrames, adopt_bases, camera_of_size,
     label_advice,
 };
-use touchline_core::files::read_named;
+use touchline_core::files::{folder_of, read_named};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
     Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
+    resolve_path,
 };
 use touchline_vision::media::{FrameReader, FrameSource, image_size};
 use touchline_vision::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
@@ -188,10 +189,15 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
             || "standard output".to_owned(),
             |path| path.display().to_string(),
         );
+        // Lines of frames are no document that this command reads.
+        let way_on = match &args.output.output {
+            Some(path) if is_lines_file(path) => "",
+            _ => ". Give that document with --resume for the rest",
+        };
         messages.note(&format!(
-            "stopped: {looked_at} of {} frames were looked at, {answered} answered; they are in {kept}. Give that document with \
-             --resume for the rest",
-            queried.len()
+            "stopped: {looked_at} of {} were looked at, {answered} answered; they are in \
+             {kept}{way_on}",
+            pluralise(queried.len(), "frame")
         ));
         return Ok(Outcome::Stopped);
     }
@@ -329,24 +335,49 @@ fn add_image(input: &mut Input, model: &ForestModel, path: &Path) -> anyhow::Res
     Ok(())
 }
 
+/// Whether a path is that of a file of frames, one per line.
+fn is_lines_file(path: &Path) -> bool {
+    ending(path) == "jsonl"
+}
+
 /// Writes the document; to a `.jsonl` file its frames, one per line.
 fn write(output: &DocumentOutput, document: Document, folder: &Path) -> anyhow::Result<()> {
-    let Some(path) = output
-        .output
-        .as_deref()
-        .filter(|path| path.extension().is_some_and(|end| end == "jsonl"))
-    else {
+    let Some(path) = output.output.as_deref().filter(|path| is_lines_file(path)) else {
         return output.write(document, folder);
     };
-    let parent = std::path::absolute(path)?
-        .parent()
-        .map(Path::to_path_buf)
-        .unwrap_or_default();
-    let moved = document.relocate(folder, &parent.canonicalize().unwrap_or(parent));
+    let parent = resolve_path(folder_of(path));
+    let moved = document.relocate(folder, &parent);
+    refuse_unwritable(&moved, &parent)?;
     let mut lines = String::new();
     for frame in &moved.frames {
         lines.push_str(&serde_json::to_string(&**frame)?);
         lines.push('\n');
     }
     write_file(path, lines.as_bytes(), output.force)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn lines_of_frames_name_no_picture_that_cannot_be_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = DocumentOutput {
+            output: Some(folder.path().join("out.JSONL")),
+            force: false,
+        };
+        let written = |image: &str| {
+            let mut document = Document::new(FieldSpec::new("soccer"));
+            let frame = Frame::from_image(image, "main".into(), ImageSize::new(64, 36));
+            document.frames.push(frame.into());
+            write(&output, document, folder.path())
+        };
+        let refused = written("clip-\u{fffd}/1.jpg").unwrap_err().to_string();
+        assert!(refused.contains("is not UTF-8"), "{refused}");
+        written("clip/1.jpg").unwrap();
+        let text = std::fs::read_to_string(folder.path().join("out.JSONL")).unwrap();
+        assert_eq!(text.lines().count(), 1, "{text}");
+    }
 }

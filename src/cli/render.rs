@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
-use super::output::{encode_png, refuse_existing, refuse_other_than_png, write_file};
+use super::output::{encode_png, refuse_existing_file, refuse_other_than_png, write_file};
 use anyhow::{Context as _, bail};
 use image::RgbaImage;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ pub struct RenderArgs {
 /// cannot be written.
 pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_other_than_png("-o", &args.output)?;
-    refuse_existing(&args.output, args.force)?;
+    refuse_existing_file(&args.output, args.force)?;
     let Loaded { location, document } = args.document.load(messages)?;
     let frame = find_frame(&document, &args.frame)
         .with_context(|| format!("{}: --frame {}", location.file().display(), args.frame))?;

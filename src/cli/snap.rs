@@ -5,6 +5,7 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use touchline_calibration::calibrate::{camera_on_paint, record_on_paint};
 use touchline_calibration::proposals::{FramePicture, PictureStream};
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Fields, FrameStatus};
 use touchline_vision::paint::{FindOptions, SnapOptions};
@@ -120,7 +121,8 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         String::new()
     };
     messages.note(&format!(
-        "{snapped} frames snapped, {found}{failed} not, {passed} left unchanged (without a camera, or rejected)"
+        "{} snapped, {found}{failed} not, {passed} left unchanged (without a camera, or rejected)",
+        pluralise(snapped, "frame")
     ));
     Ok(Outcome::from_failure(failed > 0))
 }

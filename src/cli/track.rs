@@ -108,9 +108,9 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.write(document, location.folder())?;
     if found.is_stopped {
         messages.note(&format!(
-            "stopped: {} frames of finished clips were tracked and written; to go on, track \
-             the document that was written",
-            found.tracked
+            "stopped: {} of finished clips tracked and written; to go on, track the document \
+             that was written",
+            pluralise(found.tracked, "frame")
         ));
         return Ok(Outcome::Stopped);
     }
@@ -245,17 +245,17 @@ fn file_name(path: &Path) -> String {
 fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
     let name = name_of(clip);
     messages.note(&format!(
-        "{name}: {} frames tracked, {} aligned to their painted lines, points ±{:.2} px, \
+        "{name}: {} tracked, {} aligned to their painted lines, points ±{:.2} px, \
          uncertainty multiplied by {:.1}",
-        tracked.frames.len(),
+        pluralise(tracked.frames.len(), "frame"),
         tracked.painted,
         tracked.sigma_px,
         tracked.inflation
     ));
     if tracked.kept > 0 {
         messages.note(&format!(
-            "{name}: {} frames keep the camera that they had: their painted lines speak more for it",
-            tracked.kept
+            "{name}: {} with the camera from before: the painted lines speak more for it",
+            pluralise(tracked.kept, "frame")
         ));
     }
     for stop in &tracked.stops {
@@ -286,8 +286,8 @@ fn describe_length(found: &LengthOnLines) -> String {
         ..
     } = found.size;
     let seen = format!(
-        "the painted lines of {} frames indicate a length of {value_m:.2} ± {sigma_m:.2} m",
-        found.frames
+        "the painted lines of {} indicate a length of {value_m:.2} ± {sigma_m:.2} m",
+        pluralise(found.frames, "frame")
     );
     if found.is_prescribed {
         format!("{seen}; {assumed_m} m is stated, and stays")
@@ -306,7 +306,8 @@ fn describe_refined(camera: &CameraId, seen: &BasePaintEvidence) -> String {
         )
     });
     format!(
-        "{camera}: the base is refined on {} lines in {} frames{change}: tracking again",
-        seen.lines, seen.frames
+        "{camera}: the base is refined on {} in {}{change}: tracking again",
+        pluralise(seen.lines, "line"),
+        pluralise(seen.frames, "frame")
     )
 }

@@ -4,7 +4,7 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::features::{FeaturesArg, tell_refusal};
 use super::messages::{Messages, count_steps};
-use super::output::{refuse_existing, write_file};
+use super::output::{refuse_existing_file, write_file};
 use anyhow::ensure;
 use clap::ValueEnum;
 use std::ops::ControlFlow;
@@ -12,6 +12,7 @@ use std::path::PathBuf;
 use touchline_calibration::proposals::{
     FramePictures, LearnOptions, TrainingFrames, WRONG_PX, learn, measure, study,
 };
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::{Detector, FeatureOptions};
 use touchline_vision::media::FrameReader;
@@ -87,7 +88,7 @@ enum DetectorArg {
 /// # Errors
 /// The document cannot be read or has no usable references, or the forest cannot be written.
 pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    refuse_existing(&args.output, args.force)?;
+    refuse_existing_file(&args.output, args.force)?;
     let Loaded { location, document } = args.document.load(messages)?;
     let options = args.options();
     let training_frames = TrainingFrames::from_document(&document, args.all_references);
@@ -158,8 +159,8 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     if let Some(quality) = &quality {
         quality.bound(&document, &mut model);
         messages.note(&format!(
-            "{} references left out and tested: {} found, {} of them off by over {WRONG_PX} px",
-            quality.tested.len(),
+            "{} left out and tested: {} found, {} of them off by over {WRONG_PX} px",
+            pluralise(quality.tested.len(), "reference"),
             quality.found_count(),
             quality.wrong().count()
         ));
@@ -173,17 +174,18 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         .sum();
     let leaves: usize = cameras.map(|camera| camera.forest.leaves()).sum();
     messages.note(&format!(
-        "{}: {references} references, {leaves} leaves",
-        args.output.display()
+        "{}: {}, {leaves} leaves",
+        args.output.display(),
+        pluralise(references, "reference")
     ));
     for found in &studied.burnt_in {
         messages.note(&found.describe(&document));
     }
     if training_frames.withheld > 0 {
         messages.note(&format!(
-            "{} references were not used for training: accepted suggestions (--all-references takes them, too), frames with the verdict Wrong, or \
-             left out by hand",
-            training_frames.withheld
+            "{} not used for training: accepted suggestions (--all-references takes them, too), \
+             frames with the verdict Wrong, or left out by hand",
+            pluralise(training_frames.withheld, "reference")
         ));
     }
     Ok(Outcome::from_failure(!studied.failed.is_empty()))

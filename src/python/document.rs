@@ -17,7 +17,7 @@ use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_documents::document::{
     Camera, CameraId, Click, Document, Frame, FrameId, FrameStatus, MAX_CLICKS, RejectReason,
-    Target, VideoFrame, document_from_bytes, document_to_string,
+    Target, VideoFrame, document_from_bytes, document_to_string, resolve_path,
 };
 use touchline_documents::store::{self, Location, StoreError};
 
@@ -182,7 +182,8 @@ impl PyDocument {
     #[staticmethod]
     #[pyo3(signature = (text, folder = None))]
     fn from_json(text: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        let folder = std::path::absolute(folder.unwrap_or_else(|| PathBuf::from(".")))?;
+        // As that of a file: paths are rewritten for another folder by their names alone.
+        let folder = resolve_path(&folder.unwrap_or_else(|| PathBuf::from(".")));
         without_panic(|| {
             let document = document_from_bytes(text.as_bytes()).map_err(failure)?;
             Ok(Self::new(document, folder, None))

@@ -251,6 +251,9 @@ fn train(
     );
     // Only a cancelled study gives nothing; `progress::run` then raises what cancelled it.
     let studied = studied.ok_or_else(stop_error)?;
+    for (index, error) in &studied.failed {
+        steps.note(format!("{}: {error}", document.frames[*index].name()));
+    }
     if studied
         .training_samples
         .iter()

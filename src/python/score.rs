@@ -15,6 +15,7 @@ use touchline_core::score::{
 ///
 /// `kind`: "part" compares the parts of the field that the picture shows, "whole" the whole field
 /// projected by one camera and back by the other. NaN where neither camera shows any of the field.
+/// Both cameras are of pictures of one size.
 #[pyfunction]
 #[pyo3(signature = (truth, estimate, field = None, kind = "part"))]
 pub fn iou(
@@ -25,6 +26,14 @@ pub fn iou(
 ) -> PyResult<f64> {
     let field = field_or_usual(field)?;
     let (one, other) = (&truth.camera, &estimate.camera);
+    // Both are compared by the pixels of one picture.
+    if truth.image_size != estimate.image_size {
+        let (is, wanted) = (estimate.image_size, truth.image_size);
+        return Err(PyValueError::new_err(format!(
+            "estimate: its pictures have {} × {} px, and those of the truth {} × {} px",
+            is.width, is.height, wanted.width, wanted.height
+        )));
+    }
     without_panic(|| match kind {
         "part" => Ok(iou_part(&field, one, other, truth.image_size).unwrap_or(f64::NAN)),
         "whole" => Ok(iou_whole(&field, one, other)),

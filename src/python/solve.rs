@@ -15,6 +15,7 @@ use touchline_calibration::calibrate::{
     BaseProblem, SolveOutcome, follow_all_bases, observations, solve_document,
 };
 use touchline_core::camera::PtzCamera;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, BaseProgress, CrownModel, LensModel};
 use touchline_core::solve::{SolveContext, solve_two_points};
@@ -158,6 +159,9 @@ pub fn estimate_base(
     principal_point: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Report> {
+    if crown_m.is_some_and(|crown_m| !crown_m.is_finite()) {
+        return Err(PyValueError::new_err("crown_m: a finite number is needed"));
+    }
     let options = BaseOptions {
         lens: lens_model(distortion)?,
         crown: crown_m.map(CrownModel::Fixed),
@@ -185,12 +189,12 @@ fn estimate_all(
     let adjusting = Progress::new(|at: BaseProgress| steps.report(at.done, at.total));
 
     // A camera without an estimate does not stop the others.
-    let (mut estimates, mut errors) = (Vec::new(), Vec::new());
+    let (mut estimates, mut notes) = (Vec::new(), Vec::new());
     for camera in &before.cameras {
         let problem = BaseProblem::from_document(before.at(folder), &camera.id);
         match problem.and_then(|problem| problem.estimate(&before, options, &adjusting.renew())) {
             Ok(estimate) => estimates.push(estimate),
-            Err(error) => errors.push(format!("camera {:?}: {error}", camera.id.as_str())),
+            Err(error) => notes.push(format!("camera {:?}: {error}", camera.id.as_str())),
         }
     }
     // Checked here, for the loop above is empty then, too, and its error would be an empty text.
@@ -198,7 +202,7 @@ fn estimate_all(
         return Err("the document has no camera".to_owned());
     }
     if estimates.is_empty() {
-        return Err(errors.join("; "));
+        return Err(notes.join("; "));
     }
 
     for estimate in &estimates {
@@ -209,12 +213,16 @@ fn estimate_all(
     let outcomes =
         solve_document(document, folder, &counting).map_err(|error| error.to_string())?;
     // Proposals that were made with the old base are no longer valid.
-    follow_all_bases(document, &before);
+    let withdrawn = follow_all_bases(document, &before);
+    if withdrawn > 0 {
+        let proposals = pluralise(withdrawn, "proposal");
+        notes.push(format!("{proposals} for the base before withdrawn"));
+    }
     for estimate in &estimates {
         estimate.mark_disputes(document);
     }
     Ok(Report {
-        notes: errors,
+        notes,
         ..report(document, &outcomes)
     })
 }

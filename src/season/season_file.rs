@@ -12,7 +12,7 @@
 //! set = { length_m = 105.0, width_m = 68.0 }
 //!
 //! [[match]]
-//! name = "north-south"          # the name of the video without its ending if absent
+//! name = "north-south"          # if absent, the folder's, or the video's without its ending
 //! video = "videos/a.mp4"        # or frames = "FOLDER"
 //! venue = "North Park"          # a soccer field of unknown size if absent
 //! project = "north/project.json"  # its cameras are used; without it they are found
@@ -322,8 +322,14 @@ impl SeasonFile<'_> {
         let (name, span) = if let Some(name) = text.name {
             (name.get_ref().clone(), name.span())
         } else {
-            let stem = frames.file_stem().unwrap_or_default();
-            (stem.to_string_lossy().into_owned(), text.frames.span())
+            // What stands behind a dot in the name of a folder is no ending.
+            let name = if frames.is_dir() {
+                frames.file_name()
+            } else {
+                frames.file_stem()
+            };
+            let name = name.unwrap_or_default().to_string_lossy().into_owned();
+            (name, text.frames.span())
         };
         if !is_folder_name(&name) {
             return Err(self.mistake(&span, SeasonMistake::Name { name }));
@@ -481,7 +487,7 @@ struct Lines {
 /// Whether a folder of any system may have this name: no separators, no signs that Windows
 /// reserves, and neither blanks nor dots at the ends, which Windows drops or which hide a folder.
 /// Nor may a file of the collected season have it; some systems do not tell letters by their case.
-fn is_folder_name(name: &str) -> bool {
+pub(crate) fn is_folder_name(name: &str) -> bool {
     let is_taken = FILES_BESIDE_MATCHES
         .iter()
         .any(|file| name.eq_ignore_ascii_case(file));
@@ -562,6 +568,19 @@ mod tests {
                 ..usual
             }
         );
+    }
+
+    #[test]
+    fn a_folder_gives_its_whole_name_and_a_video_that_without_its_ending() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("2024.05.11")).unwrap();
+        fs::write(folder.path().join("2024.05.12.mp4"), "video").unwrap();
+        let path = folder.path().join("season.toml");
+        let text = "[[match]]\nframes = '2024.05.11'\n[[match]]\nvideo = '2024.05.12.mp4'\n";
+        fs::write(&path, text).unwrap();
+        let season = Season::read(&path).unwrap();
+        let names = [0, 1].map(|at: usize| season.matches[at].name.as_str());
+        assert_eq!(names, ["2024.05.11", "2024.05.12"]);
     }
 
     #[test]

@@ -147,7 +147,8 @@ pub fn place_of_source(path: &Path) -> Result<(PathBuf, String), SourceError> {
 }
 
 fn sidecar_path(path: &Path) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
+    // By its components: behind a final separator the suffix would name a file in the folder.
+    let mut name = path.components().as_path().as_os_str().to_owned();
     name.push(SUFFIX);
     PathBuf::from(name)
 }
@@ -213,6 +214,14 @@ mod tests {
         let file = File::options().write(true).open(path).unwrap();
         let modified = SystemTime::now() - Duration::from_secs(seconds);
         file.set_modified(modified).unwrap();
+    }
+
+    #[test]
+    fn a_kept_hash_lies_beside_a_folder_with_a_final_separator() {
+        for folder in ["season/images", "season/images/", "season/images/."] {
+            let kept = sidecar_path(Path::new(folder));
+            assert_eq!(kept, Path::new("season/images.touchline"), "{folder}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use touchline_application::app::{Action, Question, ViewAction};
 use touchline_application::jobs::{Background, BackgroundReport, Wake};
 
-/// Extensions of video files, for the filter of the dialog.
+/// Extensions of video files, for the filter of the dialog ([`video_extensions`]).
 const VIDEOS: &[&str] = &[
     "mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg",
 ];
@@ -117,7 +117,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         Question::Project | Question::CameraFrom | Question::CompareWith => {
             dialog.add_filter("Projects and datasets", &["json"])
         }
-        Question::Video => dialog.add_filter("Videos", VIDEOS),
+        Question::Video => dialog.add_filter("Videos", &video_extensions()),
         Question::Queue => dialog.add_filter("Queues", &["json"]),
         Question::ExportAs(format) if !format.is_folder() => {
             dialog.set_file_name(format.usual_name())
@@ -128,6 +128,15 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         | Question::DatasetTo
         | Question::ImportFrom(_) => dialog,
     }
+}
+
+/// The extensions in small and in capital letters: dialogs tell these apart, and cameras write
+/// capitals.
+fn video_extensions() -> Vec<String> {
+    VIDEOS
+        .iter()
+        .flat_map(|small| [(*small).to_owned(), small.to_uppercase()])
+        .collect()
 }
 
 /// Shows the dialog in the variant for the question: a folder, an existing file, or a file to be
@@ -151,6 +160,14 @@ fn pick(question: Question, dialog: rfd::FileDialog) -> Option<PathBuf> {
 mod tests {
     use super::*;
     use std::sync::Arc;
+
+    #[test]
+    fn videos_as_cameras_name_them_are_offered() {
+        let offered = video_extensions();
+        for extension in ["mp4", "MP4", "MOV"] {
+            assert!(offered.contains(&extension.to_owned()), "{extension}");
+        }
+    }
 
     #[test]
     fn a_dialog_that_fails_is_made_up_for_by_typing_however_late_the_window_looks() {

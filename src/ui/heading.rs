@@ -1,7 +1,7 @@
 //! The heading of a side panel or page.
 
 use super::symbol::{self, Symbol};
-use super::{Panel, theme::Themed as _};
+use super::{Panel, key_in_brackets, theme::Themed as _};
 use egui::{Align, Frame, Layout, Margin, RichText, Ui};
 use touchline_application::app::{Action, Command};
 
@@ -40,8 +40,8 @@ impl Heading<'_> {
                         let name = format!("Close the {}", self.closes);
                         let weak = ui.palette().weak;
                         let close = symbol::button(ui, Symbol::Cross, &name, weak);
-                        let key = panel.app.settings.keys.key_label(self.command);
-                        let tip = format!("Back to the {}. ({key})", self.behind);
+                        let key = key_in_brackets(&panel.app.settings.keys, self.command);
+                        let tip = format!("Back to the {}.{key}", self.behind);
                         if close.on_hover_text(tip).clicked() {
                             panel.actions.push(Action::Command(self.command));
                         }

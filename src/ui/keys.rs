@@ -2,9 +2,10 @@
 //!
 //! A plain key does nothing while a text field has the focus, or while a list of names or reasons
 //! is open: those read letters and digits themselves, before this module. A dialog closes with
-//! Escape or with the key that opens it. It takes all other keys, unless it is about appearance.
+//! Escape, and one that [`opens`] lists also with the key that opens it. It takes all other keys,
+//! unless it is about appearance.
 
-use super::dialogs;
+use super::{dialogs, takes_keys};
 use egui::{Event, FocusDirection, Key, Modifiers};
 use touchline_application::app::session::{Dialog, HeldCommands, Mode};
 use touchline_application::app::{Action, App, Chord, Command, EditAction, MenuGroup, ViewAction};
@@ -128,7 +129,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
             .map(|command| Action::Hold(command, false));
     }
     let command = command_of(app, &stroke);
-    // A dialog is open. Only those about appearance leave the other keys to the picture below them.
+    // A dialog is open.
     if let Some(dialog) = &app.session.dialog {
         let opens_it = command.is_some_and(|command| opens(command, dialog));
         if stroke.key == Key::Escape
@@ -139,7 +140,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
         if command == Some(Command::Guide) && is_free(&stroke, command, focus) {
             return Some(Action::Command(Command::Guide));
         }
-        if !matches!(dialog, Dialog::OverlayStyle | Dialog::PictureLook) {
+        if takes_keys(dialog) {
             return None;
         }
     }
@@ -349,6 +350,10 @@ fn opens(command: Command, dialog: &Dialog) -> bool {
         (command, dialog),
         (Command::Palette, Dialog::Palette)
             | (Command::Keys, Dialog::Keys)
+            | (Command::About, Dialog::About)
+            | (Command::Messages, Dialog::Messages)
+            | (Command::Preferences, Dialog::Preferences)
+            | (Command::GoToPlace, Dialog::GoToPlace)
             | (Command::OverlayStyle, Dialog::OverlayStyle)
             | (Command::PictureLook, Dialog::PictureLook)
             | (Command::Guide, Dialog::Guide { .. })
@@ -609,6 +614,12 @@ mod tests {
         );
         assert_eq!(
             meaning(&app, stroke(Key::K, Modifiers::COMMAND), Focus::Text),
+            Some(Action::View(ViewAction::CloseDialog))
+        );
+        app.update(Action::View(ViewAction::CloseDialog));
+        app.update(Action::Command(Command::Preferences));
+        assert_eq!(
+            press(&app, Key::Comma, Modifiers::COMMAND),
             Some(Action::View(ViewAction::CloseDialog))
         );
         app.update(Action::View(ViewAction::CloseDialog));

@@ -10,7 +10,7 @@ use super::{
     rejecting, review, start, status, theme::Themed as _, timeline, tools, tour, trainer, typing,
     viewport,
 };
-use egui::{Frame, Margin, Ui};
+use egui::{Frame, Margin, Ui, Vec2};
 use touchline_application::app::session::SidePanel;
 use touchline_application::app::{Action, SettingsAction};
 
@@ -21,6 +21,10 @@ const WIDE: f32 = 1800.0;
 
 /// Minimum size of the picture, points. It limits the sizes of the panels.
 const LEAST_PICTURE: [f32; 2] = [480.0, 260.0];
+
+/// Size of what stands around the picture beside the panels whose edges can be dragged, points: the
+/// column of tools; the three rows and the timeline.
+const FIXED: [f32; 2] = [tools::WIDTH, 3.0 * ROW + timeline::HEIGHT];
 
 /// Stores the sizes of panels that were dragged, in the settings. The edges are side panel and
 /// filmstrip.
@@ -71,18 +75,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     };
     // The side panel and the filmstrip have edges that can be dragged. Each may grow until the
     // picture has its minimum size; in a window that is smaller still, the panels keep theirs.
+    let room = ui.available_size() - Vec2::from(FIXED) - Vec2::from(LEAST_PICTURE);
     let edges = [
         Edge {
             id: "side panel",
             name: "Width of the side panel",
             panel_is_right: true,
-            range: [280.0, (ui.available_width() - LEAST_PICTURE[0]).min(640.0)],
+            range: [280.0, room.x.min(640.0)],
         },
         Edge {
             id: "filmstrip",
             name: "Height of the filmstrip",
             panel_is_right: false,
-            range: [72.0, (ui.available_height() - LEAST_PICTURE[1]).min(260.0)],
+            range: [72.0, room.y.min(260.0)],
         },
     ];
     let settings = &panel.app.settings;

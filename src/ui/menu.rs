@@ -5,9 +5,10 @@
 //! [`SUBMENUS`] divide them.
 
 use super::{
-    Panel,
+    Panel, key_in_brackets,
     labels::text_width,
     symbol::{self, Symbol},
+    takes_keys,
     theme::{self, Themed as _},
 };
 use egui::{
@@ -18,8 +19,8 @@ use std::path::Path;
 use touchline_application::app::session::{Saving, SidePanel};
 use touchline_application::app::{Action, App, Command, MenuGroup, Tool};
 use touchline_application::scene;
-use touchline_core::geometry::thousands;
-use touchline_documents::document::Frame;
+use touchline_core::geometry::{pluralise, thousands};
+use touchline_documents::document::{Click, Frame};
 use touchline_documents::store::{PROJECT_FILE, PROJECT_SUFFIX};
 
 /// Commands with a line above them.
@@ -182,7 +183,7 @@ const SUBMENUS: [(&str, &[Command]); 13] = [
 
 /// Shows the row.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let opens = is_menu_key(ui);
+    let opens = is_menu_key(panel.app, ui);
     egui::MenuBar::new().ui(ui, |ui| {
         let titles = MenuGroup::ALL.map(|group| {
             ui.menu_button(group.title(), |ui| menu(panel, ui, group))
@@ -231,17 +232,17 @@ fn title_to_open<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a
     titles.get((at as isize + step).rem_euclid(titles.len() as isize) as usize)
 }
 
-/// Whether F10 was pressed, or Alt was pressed and released alone.
-fn is_menu_key(ui: &Ui) -> bool {
+/// Whether F10 was pressed, or Alt was pressed and released alone; never while a dialog has the
+/// keys, over which the menu would open.
+fn is_menu_key(app: &App, ui: &Ui) -> bool {
+    let is_covered = app.session.dialog.as_ref().is_some_and(takes_keys);
     // A press of a button, another key or the loss of the focus makes Alt a modifier: of a drag, of
     // a shortcut, of the desktop's own switch between windows.
     let (f10, alt, busy) = ui.input_mut(|input| {
         let f10 = input.consume_key(Modifiers::NONE, Key::F10);
-        (
-            f10,
-            input.modifiers.alt,
-            input.pointer.any_down() || !input.focused || input.events.iter().any(is_other_input),
-        )
+        let busy =
+            input.pointer.any_down() || !input.focused || input.events.iter().any(is_other_input);
+        (f10 && !is_covered, input.modifiers.alt, busy || is_covered)
     });
     // Alt counts if nothing else happens from when it goes down until it goes up. Remembered:
     // whether Alt was down, and whether it was alone so far.
@@ -366,6 +367,7 @@ pub fn is_on(app: &App, command: Command) -> bool {
         Command::BaseOnPaint => app.settings.base_on_paint,
         Command::SnapSuggestions => app.settings.snap_suggestions,
         Command::HideOverlay => app.session.picture.held.hide_overlay,
+        Command::Compare => app.session.picture.held.compare,
         Command::CameraPanel => app.session.panel == SidePanel::Camera,
         Command::TrainerPanel => app.session.panel == SidePanel::Trainer,
         Command::PauseTrainer => app.session.trainer.paused,
@@ -379,8 +381,15 @@ pub fn is_on(app: &App, command: Command) -> bool {
         }
         // This command is named after leaving the frame out.
         Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),
+        Command::MarkGold => app.frame().is_some_and(|frame| frame.gold),
+        Command::ToggleCheck => selected_click(app).is_some_and(|click| click.check),
         _ => false,
     }
+}
+
+/// The selected point of the shown frame.
+fn selected_click(app: &App) -> Option<&Click> {
+    app.frame()?.clicks.get(app.session.points.selected?)
 }
 
 /// Shows the submenu of documents that were opened before.
@@ -437,7 +446,8 @@ fn place(app: &App, ui: &mut Ui) {
         let number = frame.number_at(app.session.frame);
         ui.label(RichText::new(format!("frame {number}")).color(ui.palette().text))
             .on_hover_text(format!(
-                "Frame {number} of {count}, counted from 0: {}",
+                "Frame {number}, counted from 0; the document has {}: {}",
+                pluralise(count, "frame"),
                 frame.name()
             ));
         if let Some(clip) = &frame.clip {
@@ -535,11 +545,11 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.add(egui::Spinner::new().size(12.0));
         ui.label(RichText::new(shorten_text(opening, LONGEST_NAME)).color(ui.palette().accent))
             .on_hover_text(format!("{opening} The window stays usable meanwhile."));
-        let key = panel.app.settings.keys.key_label(Command::Cancel);
+        let key = key_in_brackets(&panel.app.settings.keys, Command::Cancel);
         let palette = ui.palette();
         let give_up = symbol::button(ui, symbol::Symbol::Cross, "Stop opening", palette.weak);
         if give_up
-            .on_hover_text(format!("Stop opening. ({key})"))
+            .on_hover_text(format!("Stop opening.{key}"))
             .clicked()
         {
             panel.actions.push(Action::Command(Command::Cancel));
@@ -614,11 +624,11 @@ fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
         .clone()
         .unwrap_or_else(|| format!("{}.", status.doing.describe()));
     let says = work_button(ui, text, colour);
-    let key = panel.app.settings.keys.key_label(Command::TrainerPanel);
-    if says
-        .on_hover_text(format!("{tip} Trainer panel: {key}."))
-        .clicked()
-    {
+    let keys = &panel.app.settings.keys;
+    let key = keys.with_key(Command::TrainerPanel, |key| {
+        format!(" Trainer panel: {key}.")
+    });
+    if says.on_hover_text(format!("{tip}{key}")).clicked() {
         panel.actions.push(Action::Command(Command::TrainerPanel));
     }
 }
@@ -660,5 +670,34 @@ mod tests {
         assert!(!is_other_input(&event(Key::AltLeft)));
         assert!(is_other_input(&event(Key::Tab)));
         assert!(is_other_input(&Event::Text("a".to_owned())));
+    }
+
+    fn opens_with_f10(app: &App) -> bool {
+        let press = Event::Key {
+            key: Key::F10,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        let input = egui::RawInput {
+            events: vec![press],
+            focused: true,
+            ..egui::RawInput::default()
+        };
+        let (ctx, mut opens) = (egui::Context::default(), false);
+        let mut output = ctx.run_ui(input, |ui| opens = is_menu_key(app, ui));
+        output.textures_delta.clear();
+        opens
+    }
+
+    #[test]
+    fn no_menu_opens_over_a_dialog_that_has_the_keys() {
+        let mut app = App::default();
+        assert!(opens_with_f10(&app));
+        app.update(Action::Command(Command::PictureLook));
+        assert!(opens_with_f10(&app));
+        app.update(Action::Command(Command::Preferences));
+        assert!(!opens_with_f10(&app));
     }
 }

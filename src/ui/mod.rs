@@ -74,7 +74,19 @@ pub use touchline_application::jobs::PictureState;
 pub use window::{WindowError, run, say_in_dialog};
 
 use egui::{Button, Response, Ui};
-use touchline_application::app::{Action, App, Command, Navigation};
+use touchline_application::app::session::Dialog;
+use touchline_application::app::{Action, App, Command, Keymap, Navigation};
+
+/// Whether a dialog takes the keys of the window below it. Those about appearance leave them to the
+/// picture.
+const fn takes_keys(dialog: &Dialog) -> bool {
+    !matches!(dialog, Dialog::OverlayStyle | Dialog::PictureLook)
+}
+
+/// The key of a command in brackets, for the end of a text; empty if the command has none.
+fn key_in_brackets(keys: &Keymap, command: Command) -> String {
+    keys.with_key(command, |key| format!(" ({key})"))
+}
 
 /// What every panel receives.
 pub struct Panel<'a> {

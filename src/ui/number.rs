@@ -133,13 +133,19 @@ impl Number<'_> {
         let unit = self.suffix.trim();
         // The minus sign of typography and the unit may be typed, too.
         let digits = text.replace('−', "-");
-        let digits = digits.trim().trim_end_matches(unit).trim();
+        let digits = digits.trim();
+        let digits = digits.strip_suffix(unit).unwrap_or(digits).trim();
         let Some(number) = digits
             .parse::<f64>()
             .ok()
             .filter(|number| number.is_finite())
         else {
-            return Err(format!("“{}” is not a number.", text.trim()));
+            let hint = if digits.contains(',') {
+                ": no commas, and decimals after a point"
+            } else {
+                ""
+            };
+            return Err(format!("“{}” is not a number{hint}.", text.trim()));
         };
         // The field shows a rounded number; reading that back must not change the value.
         if digits.parse() == format!("{:.*}", self.decimals, self.value).parse::<f64>() {
@@ -250,6 +256,17 @@ mod tests {
         );
         assert_eq!(view().read("abc"), Err("“abc” is not a number.".to_owned()));
         assert_eq!(view().read("nan"), Err("“nan” is not a number.".to_owned()));
+        let problem = "“50,5” is not a number: no commas, and decimals after a point.";
+        assert_eq!(view().read("50,5"), Err(problem.to_owned()));
+        let in_m = Number {
+            suffix: " m",
+            ..view()
+        };
+        assert_eq!(
+            in_m.read("5 mm"),
+            Err("“5 mm” is not a number.".to_owned()),
+            "another unit, not the field's own twice"
+        );
         for typed in ["-5", "−5"] {
             let problem = "-5° is out of range: 0.5 to 150°; no lens shows less or more.";
             assert_eq!(view().read(typed), Err(problem.to_owned()));

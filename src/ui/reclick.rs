@@ -2,7 +2,7 @@
 //! progress.
 
 use super::{
-    Panel, field_map,
+    Panel, field_map, key_in_brackets,
     theme::{self, Themed as _},
 };
 use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
@@ -41,12 +41,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ("Back", Command::Undo, (clicked == 0).then_some("No points have been clicked again yet.")),
             ("End the round", Command::Cancel, None),
         ] {
+            let key = key_in_brackets(&panel.app.settings.keys, command);
             let tip = match command {
                 Command::SkipAgain => panel.app.settings.keys.tooltip(command),
-                Command::Undo => {
-                    format!("Undo the last blind click. ({})", panel.app.settings.keys.key_label(command))
-                }
-                _ => format!("The clicks so far are kept. ({})", panel.app.settings.keys.key_label(command)),
+                Command::Undo => format!("Undo the last blind click.{key}"),
+                _ => format!("The clicks so far are kept.{key}"),
             };
             let button = ui.add_enabled(why_not.is_none(), Button::new(says).min_size(vec2(110.0, 24.0)));
             if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {

@@ -210,7 +210,10 @@ impl eframe::App for Shell {
         }
         self.take_in(ctx);
         // The last known place stays while the window is minimised.
-        self.place = ctx.input(|input| place_of(input.viewport())).or(self.place);
+        let zoom = ctx.zoom_factor();
+        self.place = ctx
+            .input(|input| place_of(input.viewport(), zoom))
+            .or(self.place);
         if self.may_close {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
@@ -262,15 +265,40 @@ fn adapter_of(state: &eframe::egui_wgpu::RenderState) -> String {
 
 /// Position and size of a window, `None` while it is minimised. A maximised one has no position of
 /// its own.
-fn place_of(viewport: &egui::ViewportInfo) -> Option<WindowPlace> {
+///
+/// Both are in points of the system, as a window is opened. egui's are larger by `zoom`, the size
+/// of texts: with those a window would shrink from one start to the next.
+fn place_of(viewport: &egui::ViewportInfo, zoom: f32) -> Option<WindowPlace> {
     let inner = viewport
         .inner_rect
         .filter(|_| viewport.minimized != Some(true))?;
     let maximized = viewport.maximized == Some(true) || viewport.fullscreen == Some(true);
-    let position = viewport.outer_rect.map(|outer| [outer.left(), outer.top()]);
+    let position = viewport.outer_rect.map(|outer| (outer.min * zoom).into());
     Some(WindowPlace {
         position: position.filter(|_| !maximized),
-        size: inner.size().into(),
+        size: (inner.size() * zoom).into(),
         maximized,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Rect, pos2, vec2};
+
+    #[test]
+    fn a_window_opens_where_it_was_whatever_the_size_of_texts() {
+        // The system's 300, 150 and 1350 × 900 points with texts at 1.5.
+        let viewport = egui::ViewportInfo {
+            inner_rect: Some(Rect::from_min_size(pos2(200.0, 120.0), vec2(900.0, 600.0))),
+            outer_rect: Some(Rect::from_min_size(pos2(200.0, 100.0), vec2(900.0, 620.0))),
+            ..egui::ViewportInfo::default()
+        };
+        let expected = WindowPlace {
+            position: Some([300.0, 150.0]),
+            size: [1350.0, 900.0],
+            maximized: false,
+        };
+        assert_eq!(place_of(&viewport, 1.5), Some(expected));
+    }
 }

@@ -146,7 +146,7 @@ pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &Context) {
 }
 
 /// Whether a text field, a dialog or a menu receives the keys.
-fn keys_are_taken(app: &App, ctx: &Context) -> bool {
+pub fn keys_are_taken(app: &App, ctx: &Context) -> bool {
     ctx.text_edit_focused() || app.session.dialog.is_some() || egui::Popup::is_any_open(ctx)
 }
 

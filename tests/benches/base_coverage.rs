@@ -12,6 +12,10 @@
     reason = "a bench prints, and fails by stopping"
 )]
 
+#[allow(dead_code, reason = "other benches have sections")]
+mod arguments;
+
+use arguments::Arguments;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
@@ -19,7 +23,7 @@ use rayon::prelude::*;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldElement, FieldModel, builtin};
 use touchline::geometry::rotation::from_rotation_vector;
-use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3, median};
 use touchline::progress::Progress;
 use touchline::solve::base::{BaseOptions, BasePriors, CameraClicks, FrameClicks, estimate_base};
 use touchline::solve::{Observation, SolveContext, solve_frame};
@@ -322,17 +326,8 @@ fn height_m(field: &FieldModel, y_m: f64) -> f64 {
     -field.crown_m * field.crown().drop_share(y_m)
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
 fn main() {
-    let arguments: Vec<String> = std::env::args().collect();
-    let bases = arguments.iter().position(|argument| argument == "--bases");
-    let bases: u64 = bases
-        .and_then(|at| arguments.get(at + 1)?.parse().ok())
-        .unwrap_or(60);
+    let bases = Arguments::of_process().number("--bases", 60) as u64;
     println!(
         "| camera | clicked frames | clicks of a further frame | within 68 % | beyond 2 σ | stated px | off px | no base |"
     );
@@ -345,7 +340,8 @@ fn main() {
             let mut counts = seeds.reduce(Counts::default, Counts::add);
             let share = |count: usize| 100.0 * count as f64 / counts.places.max(1) as f64;
             let (within, beyond) = (share(counts.within_68), share(counts.beyond_2));
-            let (stated, off) = (median(&mut counts.stated_px), median(&mut counts.off_px));
+            let [stated, off] = [&mut counts.stated_px, &mut counts.off_px]
+                .map(|px| median(px).unwrap_or(f64::NAN));
             println!(
                 "| {} | {frames} | {most} | {within:.1} % | {beyond:.1} % | {stated:.2} | {off:.2} | {} of {bases} |",
                 place.name, counts.failed

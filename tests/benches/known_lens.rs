@@ -15,6 +15,10 @@
     reason = "a bench says what failed by failing"
 )]
 
+#[allow(dead_code, reason = "other benches have sections")]
+mod arguments;
+
+use arguments::Arguments;
 use image::codecs::jpeg::JpegEncoder;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -35,15 +39,7 @@ const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const STEP_S: f64 = 0.02;
 
 fn main() {
-    let arguments: Vec<String> = std::env::args().collect();
-    let value = |name: &str| {
-        arguments
-            .iter()
-            .skip_while(|argument| *argument != name)
-            .nth(1)
-            .cloned()
-    };
-    let number = |name: &str, usual: usize| value(name).map_or(usual, |text| text.parse().unwrap());
+    let arguments = Arguments::of_process();
     let Some(data) = std::env::var_os("TOUCHLINE_DATA").map(PathBuf::from) else {
         println!("skipped: TOUCHLINE_DATA names no folder with lenses-worldcup");
         return;
@@ -54,13 +50,17 @@ fn main() {
         .collect();
     files.retain(|file| file.extension().is_some_and(|ending| ending == "npz"));
     files.sort();
-    let preset: Preset = value("--preset").map_or(Preset::Paper, |name| name.parse().unwrap());
+    let preset = arguments
+        .value("--preset")
+        .map_or(Preset::Paper, |name| name.parse().unwrap());
     let shoot = ShootOptions {
         step_s: STEP_S,
         ..preset.shoot()
     };
     let temporary = tempfile::tempdir().unwrap();
-    let folder = value("--keep").map_or_else(|| temporary.path().to_path_buf(), PathBuf::from);
+    let folder = arguments
+        .value("--keep")
+        .map_or_else(|| temporary.path().to_path_buf(), PathBuf::from);
 
     println!(
         "rotation off by, degrees          mean   median      95 %      max     last   focal, px  seconds"
@@ -69,15 +69,15 @@ fn main() {
     for (seed, file) in files
         .iter()
         .enumerate()
-        .skip(number("--from", 0))
-        .take(number("--shots", files.len()))
+        .skip(arguments.number("--from", 0))
+        .take(arguments.number("--shots", files.len()))
     {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
         let clip = Clip::draw(
             file,
             &folder.join(&name),
             seed as u64,
-            number("--frames", 200),
+            arguments.number("--frames", 200),
             &shoot,
         );
         for (way, options) in ways() {

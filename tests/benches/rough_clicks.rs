@@ -37,7 +37,7 @@ use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{Click, Document, FieldSpec, document_to_string};
 use touchline::experiments::corners_apart_px;
 use touchline::field::{FieldModel, Landmark, builtin};
-use touchline::geometry::{ImagePoint, ImageSize, median};
+use touchline::geometry::{ImagePoint, ImageSize, quantile};
 use touchline::markings::project_landmarks;
 use touchline::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 use touchline::pipelines::{TrackingEvent, TrackingOptions, track_clips};
@@ -59,7 +59,7 @@ const CLICK_SIGMA_PX: f64 = 1.5;
 
 /// A frame is right if no corner of its picture is off by more than this, px at 1920 px width.
 const RIGHT_PX: f64 = 10.0;
-/// A confidence is certain from here on, and doubtful below half of it.
+/// A confidence is certain from the first on, and doubtful below the second.
 const CERTAIN: f64 = 0.9;
 const DOUBTFUL: f64 = 0.5;
 
@@ -292,7 +292,7 @@ fn report(document: &Document, truth: &[PtzCamera], seed: u64, seconds: f64) {
          | {close_up} | {position_off:.2} | {seconds:.0} |",
         of_camera.clone().count(),
         off.len(),
-        median(&mut off).unwrap_or(f64::NAN),
-        off.get(off.len() * 9 / 10).copied().unwrap_or(f64::NAN),
+        quantile(&off, 0.5),
+        quantile(&off, 0.9),
     );
 }

@@ -127,7 +127,7 @@ fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
         &fields.per_camera(&document)[0],
     )
     .unwrap();
-    println!("{} ({begins})", change.describe());
+    println!("{} ({begins})", change.describe(&document));
     assert!(
         change.frame.abs_diff(begins) <= 2,
         "{} for {begins}",

@@ -2,23 +2,17 @@
 #![cfg(feature = "opencv")]
 
 use crate::parts::{Test, tests};
-use crate::program::touchline;
+use crate::program::{document, touchline, write};
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::process::Command;
 use std::time::{Duration, SystemTime};
-use touchline::document::{
-    Document, Frame, FrameStatus, VideoFrame, document_from_bytes, document_to_string,
-};
+use touchline::document::{Frame, FrameStatus, VideoFrame};
 use touchline::season::plan::Plan;
 
 pub const TESTS: &[Test] = tests![
     [Ffmpeg] windows_of_a_video_are_labelled_apart_and_join_in_its_project;
 ];
-
-fn document(path: &std::path::Path) -> Document {
-    document_from_bytes(&fs::read(path).unwrap()).unwrap()
-}
 
 fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
     let place = tempfile::tempdir().unwrap();
@@ -52,7 +46,7 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
         index += 1;
         (index - 1) % 5 == 0
     });
-    fs::write(path("known.json"), document_to_string(&known).unwrap()).unwrap();
+    write(&path("known.json"), &known);
     let season = "[options]\nwindow_s = 1\n[[match]]\nvideo = 'match.mp4'\nproject = 'known.json'";
     fs::write(path("season.toml"), season).unwrap();
 

@@ -121,6 +121,9 @@ class Cameras(unittest.TestCase):
         self.assertAlmostEqual(touchline.iou(camera, camera), 1.0)
         self.assertAlmostEqual(touchline.iou(camera, camera, kind="whole"), 1.0)
         self.assertLess(touchline.iou(camera, other), 0.95)
+        small = touchline.Base((0.0, -60.0, 18.0), (640, 360)).camera(10.0, -12.0, 750.0)
+        with self.assertRaisesRegex(ValueError, "estimate: its pictures have 640 × 360 px"):
+            touchline.iou(camera, small)
         lines = touchline.visible_lines(camera)
         self.assertGreater(len(lines), 5)
         self.assertEqual(touchline.jac(camera, lines), 1.0)

@@ -157,6 +157,20 @@ class Program(unittest.TestCase):
         else:
             self.skipTest("the program lies beside this Python")
 
+    def test_a_plan_that_cannot_be_read_is_one_clear_line(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as plan:
+            plan.write("matches: []")
+            plan.flush()
+            for path in (plan.name, "missing.json"):
+                ran = subprocess.run(
+                    [sys.executable, "-m", "touchline.season", path, "--parts", "parts"],
+                    capture_output=True,
+                    text=True,
+                    check=False,
+                )
+                self.assertEqual((ran.returncode, ran.stderr.count("\n")), (1, 1), ran.stderr)
+                self.assertIn(f"touchline: cannot read the plan {path}: ", ran.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -74,6 +74,13 @@ class Forests(unittest.TestCase):
         with self.assertRaisesRegex(touchline.Error, "damaged"):
             touchline.Forest.load(self.folder.name + "/damaged")
 
+    def test_a_reference_that_cannot_be_read_is_a_warning(self):
+        lacking = json.loads(self.document.to_json())
+        lacking["frames"][0]["image"] = "images/none.jpg"
+        document = touchline.Document.from_json(json.dumps(lacking), support.DEMO)
+        with self.assertWarnsRegex(UserWarning, "images/none.jpg: "):
+            touchline.Forest.train(document, measured=False)
+
     def test_an_image_whose_size_two_cameras_have_is_given_to_neither(self):
         two = json.loads(self.document.to_json())
         two["cameras"].append({**two["cameras"][0], "id": "second"})

@@ -57,6 +57,7 @@ class BadInput(unittest.TestCase):
         self.refuse(TypeError, "clicks: .*JSON", document.set_clicks, 0, [{"landmark": "centre_mark", "image_px": [np.nan, 2]}])
         self.refuse(ValueError, "masks_px", document.set_masks, 0, [[1, 2, -3, 4]])
         self.refuse(ValueError, "only a rejected frame", document.set_status, 0, "draft", "blur")
+        self.refuse(ValueError, "crown_m: a finite number", touchline.estimate_base, document, crown_m=np.nan)
         self.refuse(IndexError, "27 frames", document.camera, 99)
         self.refuse(KeyError, "no frame of this id", document.camera, "99")
 

@@ -1,7 +1,9 @@
-//! Running the program as a script would.
+//! Running the program as a script would, and the documents that it reads and writes.
 
+use std::fs;
 use std::path::Path;
 use std::process::Command;
+use touchline::document::{Document, document_from_bytes, document_to_string};
 
 /// What a run of the program left.
 pub struct Ran {
@@ -26,4 +28,14 @@ pub fn touchline(folder: &Path, arguments: &str) -> Ran {
         stdout: text(output.stdout),
         stderr: text(output.stderr),
     }
+}
+
+/// A document of a file.
+pub fn document(path: &Path) -> Document {
+    document_from_bytes(&fs::read(path).unwrap()).unwrap()
+}
+
+/// Writes a document into a file.
+pub fn write(path: &Path, document: &Document) {
+    fs::write(path, document_to_string(document).unwrap()).unwrap();
 }

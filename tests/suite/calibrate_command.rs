@@ -1,25 +1,19 @@
 //! `touchline calibrate`: the camera of a drawn match without a click.
 #![cfg(feature = "opencv")]
 
-use crate::program::touchline;
+use crate::program::{document, touchline, write};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use touchline::autocalibrate::{AutocalibrationAnswer, camera_without_clicks};
 use touchline::calibrate::record_found;
-use touchline::document::{
-    Click, Document, FrameStatus, SolutionSource, document_from_bytes, document_to_string,
-};
+use touchline::document::{Click, Document, FrameStatus, SolutionSource, document_to_string};
 use touchline::field::Landmark;
 use touchline::geometry::ImagePoint;
 use touchline::markings::project_landmarks;
 use touchline::media::FrameReader;
 use touchline::progress::Progress;
 use touchline::proposals::read_picture;
-
-fn document(path: &Path) -> Document {
-    document_from_bytes(&fs::read(path).unwrap()).unwrap()
-}
 
 /// How far a frame's overlay is off at the corners of a grid over the ground it shows, px: the
 /// greatest.
@@ -109,7 +103,7 @@ fn click_two(project: &Path, truth: &Document) {
         .unwrap()
         .map(|(landmark, at)| Click::landmark(landmark.id.clone(), *at))
         .to_vec();
-    fs::write(project, document_to_string(&clicked).unwrap()).unwrap();
+    write(project, &clicked);
 }
 
 #[test]
@@ -213,21 +207,47 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
     );
 }
 
-#[test]
-fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
-    let place = tempfile::tempdir().unwrap();
-    fs::create_dir(place.path().join("grey")).unwrap();
+/// A folder with four pictures that match nothing.
+fn grey_pictures(folder: &Path) {
+    fs::create_dir(folder).unwrap();
     for index in 0..4_u8 {
         let picture = image::RgbImage::from_fn(320, 180, |x, y| {
             image::Rgb([(x / 40 * 30) as u8, (y / 30 * 20) as u8, 40 * index])
         });
-        picture
-            .save(place.path().join(format!("grey/{index}.png")))
-            .unwrap();
+        picture.save(folder.join(format!("{index}.png"))).unwrap();
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_pictures_of_a_document_are_found_from_a_project_behind_a_link() {
+    let place = tempfile::tempdir().unwrap();
+    grey_pictures(&place.path().join("grey"));
+    fs::create_dir_all(place.path().join("far/away")).unwrap();
+    std::os::unix::fs::symlink(place.path().join("far/away"), place.path().join("link")).unwrap();
+    let made = touchline(place.path(), "new match --frames grey --field soccer");
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let ran = touchline(place.path(), "calibrate match -o link/found");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(
+        ran.stderr
+            .contains("no two of the 4 frames match each other"),
+        "{}",
+        ran.stderr
+    );
+}
+
+#[test]
+fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
+    let place = tempfile::tempdir().unwrap();
+    grey_pictures(&place.path().join("grey"));
     fs::create_dir(place.path().join("empty")).unwrap();
+    fs::create_dir(place.path().join("empty.png")).unwrap();
     for (arguments, named) in [
-        ("calibrate grey -o found", "1 of 4 frames match each other"),
+        (
+            "calibrate grey -o found",
+            "no two of the 4 frames match each other",
+        ),
         ("calibrate empty -o found", "holds no image"),
         ("calibrate nowhere -o found", "nowhere"),
         (
@@ -235,6 +255,10 @@ fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
             "no field template is named",
         ),
         ("calibrate grey -o found --set length_m=3", "length_m"),
+        (
+            "calibrate grey -o found --panorama empty.png",
+            "is a folder; give the name of a file",
+        ),
         ("calibrate grey -o empty --look-at 2", "--look-at"),
         (
             "calibrate grey -o found --panorama map.jpg",

@@ -338,7 +338,7 @@ fn frames_and_pictures_are_chosen() {
     );
     assert!(
         ran.stderr
-            .contains("1 frames have a camera that has not been reviewed"),
+            .contains("1 frame with a camera that has not been reviewed"),
         "{}",
         ran.stderr
     );
@@ -481,7 +481,7 @@ fn pictures_from_outside_of_the_project_are_asked_for() {
     let ran = touchline(&project, "export doc.json --dataset all --outside-pictures");
     assert!(
         ran.stderr
-            .contains("1 pictures come from outside of the project, the first from "),
+            .contains("1 picture from outside of the project, the first is "),
         "{}",
         ran.stderr
     );

@@ -1,24 +1,11 @@
 //! A drawn clip with exact cameras, and how far found ones are off.
 #![cfg(feature = "opencv")]
 
-use crate::program::touchline;
-use std::fs;
+use crate::program::{document, touchline, write};
 use std::path::Path;
-use touchline::document::{
-    Document, Frame, FrameStatus, Solution, document_from_bytes, document_to_string,
-};
+use touchline::document::{Document, Frame, FrameStatus, Solution};
 use touchline::field::{Landmark, LandmarkId};
 use touchline::geometry::{ImagePoint, Mat3, Vec3};
-
-/// A document of a file.
-pub fn document(path: &Path) -> Document {
-    document_from_bytes(&fs::read(path).unwrap()).unwrap()
-}
-
-/// Writes a document into a file.
-pub fn write(path: &Path, document: &Document) {
-    fs::write(path, document_to_string(document).unwrap()).unwrap();
-}
 
 /// A drawn clip at 25 frames a second with graphics that no mask covers; its first and last frame
 /// are known.

@@ -152,7 +152,7 @@ fn cameras_of_another_size_than_their_pictures_are_rescaled_or_refused() {
         };
         let ran = import("pictures");
         assert_eq!(ran.code, 0, "{format}: {}", ran.stderr);
-        let said = "3 cameras were rescaled to the size of their pictures, the first from 640 × 360 to 1280 × 720";
+        let said = "3 cameras rescaled to the size of the pictures, the first from 640 × 360 to 1280 × 720";
         assert!(ran.stderr.contains(said), "{format}: {}", ran.stderr);
         let (_, back, _) = read(&folder.path().join(format!("{format}-pictures.json"))).unwrap();
         let worst = apart_px(&document, &back);
@@ -393,6 +393,12 @@ fn pipes_and_names_that_no_document_can_write_are_refused() {
         "{said}"
     );
     assert!(!folder.path().join("project/project.json").exists());
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_touchline"));
+    let command = command.current_dir(folder.path()).arg("calibrate");
+    let output = command.arg(&frames).args(["-o", "found"]).output().unwrap();
+    let calibrated = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), calibrated), (Some(2), said));
+    assert!(!folder.path().join("found").exists());
     let ran = touchline(folder.path(), "relocalize pipe.json a.png -o out.json");
     assert_eq!(
         (ran.code, ran.stderr.as_str()),

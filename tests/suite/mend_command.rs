@@ -1,8 +1,8 @@
 //! Cameras of another program on a drawn clip with exact cameras, mended by `touchline mend`.
 #![cfg(feature = "opencv")]
 
-use crate::drawn_clip::{document, drawn_clip, landmark_errors_px, write};
-use crate::program::touchline;
+use crate::drawn_clip::{drawn_clip, landmark_errors_px};
+use crate::program::{document, touchline, write};
 use std::path::Path;
 use touchline::camera::{CameraBase, FocalCurve, Ptz};
 use touchline::document::{

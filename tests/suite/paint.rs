@@ -1,18 +1,11 @@
 //! Painted lines from outside: drawn pictures with exact cameras.
 
-use crate::program::touchline;
+use crate::program::{document, touchline, write};
 use std::fs;
-use std::path::Path;
 use touchline::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
-use touchline::document::{
-    Document, FramePtz, FrameStatus, SolutionSource, document_from_bytes, document_to_string,
-};
+use touchline::document::{FramePtz, FrameStatus, SolutionSource};
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
-
-fn document(path: &Path) -> Document {
-    document_from_bytes(&fs::read(path).unwrap()).unwrap()
-}
 
 /// How far apart the overlays of two cameras are on the playing area, px: the median over the
 /// picture.
@@ -66,7 +59,7 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
     // One frame has no camera and stays as it is.
     off.frames[3].ptz = None;
     off.frames[3].solution = None;
-    fs::write(folder.join("off.json"), document_to_string(&off).unwrap()).unwrap();
+    write(&folder.join("off.json"), &off);
     let ran = touchline(&folder, "snap off.json -o snapped.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let snapped = document(&folder.join("snapped.json"));
@@ -132,7 +125,7 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
             Some(off),
         ));
     }
-    fs::write(folder.join("bare.json"), document_to_string(&bare).unwrap()).unwrap();
+    write(&folder.join("bare.json"), &bare);
     let ran = touchline(&folder, "snap bare.json --k1 -o bent.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let bent = document(&folder.join("bent.json"));
@@ -157,11 +150,7 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
         distortion: FocalCurve::constant(0.01),
         ..base
     });
-    fs::write(
-        folder.join("with_lens.json"),
-        document_to_string(&with_lens).unwrap(),
-    )
-    .unwrap();
+    write(&folder.join("with_lens.json"), &with_lens);
     let ran = touchline(&folder, "snap with_lens.json --k1 -o refused.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(
@@ -186,7 +175,7 @@ fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
     let before = FramePtz::new(turn_view(&camera, 400.0, 150.0, 1.2).ptz(), None);
     off.frames[0].ptz = Some(before.clone());
     off.frames[0].clicks.clear();
-    fs::write(folder.join("off.json"), document_to_string(&off).unwrap()).unwrap();
+    write(&folder.join("off.json"), &off);
     let ran = touchline(&folder, "snap off.json -o snapped.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     let frame = &document(&folder.join("snapped.json")).frames[0];
@@ -215,7 +204,7 @@ fn frames_without_a_camera_are_found_from_nothing_on_request() {
         frame.solution = None;
         frame.status = FrameStatus::New;
     }
-    fs::write(folder.join("bare.json"), document_to_string(&bare).unwrap()).unwrap();
+    write(&folder.join("bare.json"), &bare);
     let ran = touchline(&folder, "snap bare.json --from-nothing -o found.json");
     let found = document(&folder.join("found.json"));
     let field = truth.field.model(&folder).unwrap();

@@ -132,6 +132,7 @@ fn what_a_person_did_survives_kills_at_random_moments() {
         );
         known = vec![found];
     }
+    assert!(kept > 0, "the program was never at work");
     eprintln!(
         "{} kills of a person's program, {kept} states kept",
         kills()

@@ -1,23 +1,13 @@
 //! `touchline train` and `touchline relocalize` on a drawn match.
 #![cfg(feature = "opencv")]
 
-use crate::program::touchline;
+use crate::program::{document, touchline, write};
 use std::fs;
 use std::path::Path;
-use touchline::document::{
-    Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string,
-};
+use touchline::document::{Frame, FrameStatus, SolutionSource};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::relocalize::CERTAIN;
 use touchline::relocalize::ForestModel;
-
-fn document(path: &Path) -> Document {
-    document_from_bytes(&fs::read(path).unwrap()).unwrap()
-}
-
-fn write(path: &Path, document: &Document) {
-    fs::write(path, document_to_string(document).unwrap()).unwrap();
-}
 
 /// A drawn match: every second frame is a reference in `references.json`, the others are new in
 /// `ask.json`; `truth.json` has all.

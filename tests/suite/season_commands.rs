@@ -1,9 +1,8 @@
 //! `touchline plan`, `shard` and `collect`: a season in parts, on a drawn clip.
 #![cfg(all(feature = "opencv", target_os = "linux"))]
 
-use crate::drawn_clip::{document, write};
 use crate::headless::Headless;
-use crate::program::{Ran, touchline};
+use crate::program::{Ran, document, touchline, write};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -310,6 +309,14 @@ fn gaps_are_named_and_what_is_not_a_whole_part_is_not_taken() {
             text.replace("\"look_at\": 40", "\"look_at\": 41"),
             "plan.json was edited",
         ),
+        (
+            text.replace("\"name\": \"north\"", "\"name\": \"../north\""),
+            "\"../north\" cannot be the name of a match",
+        ),
+        (
+            text.replace("\"name\": \"grey\"", "\"name\": \"North\""),
+            "\"North\" is the name of two matches",
+        ),
         (text.replace("touchline plan", "plan"), "is not a plan"),
         (text[..100].to_owned(), "is not a plan"),
     ] {
@@ -317,6 +324,25 @@ fn gaps_are_named_and_what_is_not_a_whole_part_is_not_taken() {
         let refusal = season.refusal(&format!("shard plan.json {} -o new", north.find));
         assert!(refusal.contains(said), "{refusal}");
     }
+}
+
+#[test]
+fn a_project_without_a_reference_gives_a_part_that_says_why_it_has_no_forest() {
+    let season = Season::draw();
+    let mut unlabelled = season.truth.clone();
+    for frame in &mut unlabelled.frames {
+        frame.clicks.clear();
+        (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
+    }
+    write(&season.path("match/known.json"), &unlabelled);
+    let ran = season.run("plan season.toml -o plan.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let plan = Plan::read(&season.path("plan.json")).unwrap();
+    let said = season.shard(&plan.matches[0].find, "parts");
+    assert!(
+        said.contains("0 with a camera; no forest could be trained: no features to learn from"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -2,8 +2,8 @@
 //! among boards that scroll or before a dissolve, go through the commands in random order.
 #![cfg(feature = "opencv")]
 
-use crate::drawn_clip::{document, drawn_clip, landmark_errors_px, write};
-use crate::program::touchline;
+use crate::drawn_clip::{drawn_clip, landmark_errors_px};
+use crate::program::{document, touchline, write};
 use crate::seeded;
 use image::{Rgb, RgbImage};
 use rand::seq::IndexedRandom;

@@ -1,8 +1,9 @@
 //! `touchline synth` and the demo that it drew.
 
+use crate::program::document;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use touchline::document::{Document, FrameStatus, document_from_bytes};
+use touchline::document::FrameStatus;
 use touchline::geometry::ImagePoint;
 use touchline::media::sha256_of_file;
 
@@ -14,10 +15,6 @@ fn synth(arguments: &[&str], folder: &Path) -> Output {
         .arg(folder)
         .output()
         .unwrap()
-}
-
-fn document(path: &Path) -> Document {
-    document_from_bytes(&std::fs::read(path).unwrap()).unwrap()
 }
 
 fn bytes_below(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {

@@ -2,9 +2,9 @@
 //! application.
 #![cfg(feature = "opencv")]
 
-use crate::drawn_clip::{document, drawn_clip, landmark_errors_px, visible_landmarks, write};
+use crate::drawn_clip::{drawn_clip, landmark_errors_px, visible_landmarks};
 use crate::headless::Headless;
-use crate::program::touchline;
+use crate::program::{document, touchline, write};
 use std::fs;
 use std::path::Path;
 use touchline::app::guidance::next_step;

@@ -341,25 +341,31 @@ impl Current {
 /// the paint before. If a confidence is recorded, it decides: the uncertainty at the worst corner
 /// may be large although the camera is right, if no line is near that corner.
 fn judge_snapped(solution: &Solution, size: ImageSize) -> Judgement {
-    let corner_px = solution.worst_corner_sigma_px.unwrap_or(f64::INFINITY);
+    let corner_px = solution.worst_corner_sigma_px;
+    let limit_px = GOOD_CORNER_SIGMA_PX * size.scale_from_1920();
     let is_good = match solution.confidence {
         Some(confidence) => confidence >= CERTAIN,
-        None => corner_px <= GOOD_CORNER_SIGMA_PX * size.scale_from_1920(),
+        None => corner_px.is_some_and(|px| px <= limit_px),
     };
-    let samples = solution.samples.unwrap_or(0);
+    // An imported document may state none of the numbers.
+    let corner = corner_px
+        .map(|px| format!("worst corner ±{px:.1} px; "))
+        .unwrap_or_default();
+    let samples = solution
+        .samples
+        .map(|samples| format!("{samples} points on "))
+        .unwrap_or_default();
     let rms = solution
         .rms_px
         .map(|px| format!(" to {px:.1} px"))
         .unwrap_or_default();
-    let reason =
-        format!("worst corner ±{corner_px:.1} px; {samples} points on painted lines fit{rms}");
     Judgement {
         verdict: if is_good {
             Verdict::Good
         } else {
             Verdict::Check
         },
-        reason,
+        reason: format!("{corner}{samples}painted lines fit{rms}"),
     }
 }
 
@@ -643,6 +649,20 @@ mod tests {
         session.points.hover = None;
         current.refresh(Some(&mut open), &session, None, None);
         assert!(current.preview.is_none());
+    }
+
+    #[test]
+    fn an_alignment_is_described_by_the_numbers_that_are_known_of_it() {
+        let mut solution = Solution::default();
+        let judgement = judge_snapped(&solution, SIZE);
+        assert_eq!(judgement.reason, "painted lines fit");
+        assert_eq!(judgement.verdict, Verdict::Check);
+        solution.worst_corner_sigma_px = Some(1.3);
+        (solution.samples, solution.rms_px) = (Some(212), Some(0.81));
+        assert_eq!(
+            judge_snapped(&solution, SIZE).reason,
+            "worst corner ±1.3 px; 212 points on painted lines fit to 0.8 px"
+        );
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub fn next_step(app: &App) -> Guidance {
         return Guidance::say(under_way.text).with_button("Stop", under_way.stop);
     }
     if app.session.quality.open {
-        let key = app.settings.keys.key_label(Command::QualityPage);
+        let key = app.settings.keys.key_or_name(Command::QualityPage);
         return Guidance::say(format!(
             "Click a point to look at its frame; {key} or Esc goes back to the picture."
         ));
@@ -108,7 +108,7 @@ fn begun(app: &App) -> Option<Guidance> {
             let target = round
                 .target()
                 .map(|target| app.label(&Target::Landmark(target.landmark.clone())))?;
-            let skip = app.settings.keys.key_label(Command::SkipAgain);
+            let skip = app.settings.keys.key_or_name(Command::SkipAgain);
             format!("Click {target}, as you would label it. {skip} skips it, Esc ends the round.")
         }
         Mode::Editing => "Enter keeps the number, Esc restores it.".to_owned(),
@@ -126,8 +126,8 @@ fn stretch(app: &App) -> Option<Guidance> {
         pluralise(count, "frame"),
         open.frame_number(first),
         open.frame_number(last),
-        keys.key_label(Command::Accept),
-        keys.key_label(Command::Cancel)
+        keys.key_or_name(Command::Accept),
+        keys.key_or_name(Command::Cancel)
     );
     Some(Guidance::say(text).with_button("Accept…", Command::AcceptStretch))
 }

@@ -151,6 +151,17 @@ impl Keymap {
             .unwrap_or_default()
     }
 
+    /// The first key of a command for a sentence; the command's name if it has none.
+    #[must_use]
+    pub fn key_or_name(&self, command: Command) -> String {
+        let key = self.key_label(command);
+        if key.is_empty() {
+            format!("“{}”", command.name())
+        } else {
+            key
+        }
+    }
+
     /// The tooltip of a control: the command's description, and its key.
     #[must_use]
     pub fn tooltip(&self, command: Command) -> String {
@@ -253,6 +264,9 @@ mod tests {
         let say = |key: &str| format!("Press {key}.");
         assert_eq!(keymap.with_key(Command::ZoomToFit, say), "Press N.");
         assert_eq!(keymap.with_key(Command::NextNeedsMe, say), "");
+        assert_eq!(keymap.key_or_name(Command::ZoomToFit), "N");
+        let name = "“Next frame to do”";
+        assert_eq!(keymap.key_or_name(Command::NextNeedsMe), name);
         keymap.reset();
         assert_eq!(keymap.key_label(Command::ZoomToFit), "F");
     }

@@ -121,3 +121,40 @@ impl App {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::session::SidePanel;
+    use crate::app::{Action, Command, Opened, Settings};
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{
+        Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus,
+    };
+
+    #[test]
+    fn accepting_goes_on_in_the_queue_also_while_the_review_panel_is_open() {
+        let size = ImageSize::new(64, 36);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let camera = Camera::new("main".into(), size);
+        document.cameras.push(camera.into());
+        for name in ["a.jpg", "b.jpg", "c.jpg"] {
+            let mut frame = Frame::from_image(name, "main".into(), size);
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 90.0), None));
+            frame.status = FrameStatus::Suggested;
+            document.frames.push(frame.into());
+        }
+        let queued = [0, 2].map(|index: usize| QueuedFrame {
+            project: "/match/project.json".into(),
+            frame: document.frames[index].id.as_str().to_owned(),
+        });
+        let mut opened = Opened::new(document, "/match/project.json");
+        opened.queue = Some(ReviewQueue::new(queued.to_vec()));
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(opened)));
+        app.session.panel = SidePanel::Review;
+        app.update(Action::Command(Command::Accept));
+        assert_eq!(app.session.frame, 2);
+    }
+}

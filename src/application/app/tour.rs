@@ -57,7 +57,7 @@ impl TourStep {
     /// How to do it.
     #[must_use]
     pub fn text(self, keys: &Keymap) -> String {
-        let key = |command| keys.key_label(command);
+        let key = |command| keys.key_or_name(command);
         match self {
             Self::FirstPoint => "Click a spot where two lines meet, such as a corner of the penalty area. Then choose its name \
                                  from the list: press its digit, or type letters of the name. (Dashed lines, \

@@ -6,7 +6,7 @@ use super::opening::user_projects;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline_core::progress::Progress;
-use touchline_documents::store::{Location, PROJECT_FILE, Store};
+use touchline_documents::store::{Location, PROJECT_FILE, Store, write_atomically};
 use touchline_vision::media::MediaError;
 
 /// The folder of the user's copy of the demo match. If there is none yet, it is copied from the one
@@ -69,8 +69,8 @@ fn find_demo_folder() -> Option<PathBuf> {
         .find(|folder| folder.join(PROJECT_FILE).exists())
 }
 
-/// Copies a match. The project file is copied last; without it the copy counts as incomplete and is
-/// repeated.
+/// Copies a match. The project file is copied last, and is there whole or not at all; without it
+/// the copy counts as incomplete and is repeated.
 fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(to)?;
     let mut entries = std::fs::read_dir(from)?.collect::<std::io::Result<Vec<_>>>()?;
@@ -81,7 +81,7 @@ fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
         if entry.file_type()?.is_dir() {
             copy_folder(&entry.path(), &target)?;
         } else {
-            std::fs::copy(entry.path(), target)?;
+            write_atomically(&target, &std::fs::read(entry.path())?)?;
         }
     }
     Ok(())

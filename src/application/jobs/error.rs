@@ -69,6 +69,13 @@ pub enum JobError {
         /// Why the last of them cannot be read.
         reason: Option<String>,
     },
+    /// The name of a folder on the way to a frame is not UTF-8. A document has no other text than
+    /// Unicode, so that it would name another file.
+    #[error("{path}: a folder's name in it is not UTF-8; rename the folder")]
+    Unwritable {
+        /// The path as the document would have it.
+        path: String,
+    },
     /// A project can be created neither beside the frames nor in the user's data folder.
     #[error("{}: there is no folder to keep a project in", path.display())]
     NoPlace {

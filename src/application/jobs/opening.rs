@@ -111,15 +111,7 @@ pub fn open_anything(
             let text = format!("There are {} frames: one in {every} is used.", source.len());
             notices.push((Level::Warning, text));
         }
-        // JSON has no other text than Unicode, so that such a path would name another file.
-        if let Some(unwritable) = made.document.unwritable_path(&folder) {
-            let reason =
-                format!("{unwritable}: a folder's name in it is not UTF-8; rename the folder");
-            return Err(JobError::NoFrames {
-                path,
-                reason: Some(reason),
-            });
-        }
+        refuse_unwritable(&made.document, &folder)?;
         match write_project(&folder, &made.document) {
             Ok(()) => {
                 notices.push((
@@ -145,6 +137,15 @@ fn reading_progress<'p>(progress: &'p Progress<'_, String>, of: usize) -> Progre
             return progress.report(format!("Reading frames: {read} of {of}…"));
         }
         progress.check()
+    })
+}
+
+/// Refuses a document in `folder` that would have to contain a path that is not UTF-8.
+pub(super) fn refuse_unwritable(document: &Document, folder: &Path) -> Result<(), JobError> {
+    document.unwritable_path(folder).map_or(Ok(()), |path| {
+        Err(JobError::Unwritable {
+            path: path.to_owned(),
+        })
     })
 }
 

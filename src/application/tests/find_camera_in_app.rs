@@ -19,7 +19,7 @@ use touchline_calibration::calibrate::{
 };
 use touchline_core::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
-use touchline_documents::document::{Click, Document, FrameStatus, SolutionSource};
+use touchline_documents::document::{Camera, Click, Document, FrameStatus, SolutionSource, Target};
 
 /// Frames of a camera of which nothing is known.
 fn unknown(frames: usize) -> Document {
@@ -355,6 +355,38 @@ fn of_two_answers_each_can_be_tried_and_undone() {
 }
 
 #[test]
+fn a_base_that_the_user_found_meanwhile_is_not_replaced_by_a_click() {
+    let mut bench = Bench::new(unknown(5));
+    bench.command(Command::FindCamera);
+    let deciding = DecidingLandmark {
+        frame: 3,
+        landmark: "halfway_far".into(),
+        image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
+    };
+    let answer = AutocalibrationAnswer::Two {
+        best: found_camera(5, 0.0).into(),
+        other: found_camera(5, 30.0).into(),
+        deciding: Some(deciding),
+    };
+    report(&mut bench, answer);
+    let mut camera = Camera::clone(&bench.app.open().unwrap().document.cameras[0]);
+    let own = found_camera(5, 7.0).base;
+    camera.set_base(&own);
+    bench.act(Action::Edit(EditAction::Camera(Box::new(camera))));
+    bench.act(Action::Navigate(Navigation::GoTo(3)));
+    bench.act(Action::Edit(EditAction::Pick(Target::Landmark(
+        "halfway_far".into(),
+    ))));
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(403.0, 298.0),
+        on: None,
+    }));
+    bench.act(Action::Pointer(PointerAction::Release));
+    let base = bench.app.open().unwrap().document.cameras[0].base();
+    assert_eq!(base.map(|base| base.position_m), Some(own.position_m));
+}
+
+#[test]
 fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
     for (at, x_m) in [
         ((403.0, 298.0), Some(1.0)),
@@ -378,9 +410,9 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
             },
         );
         bench.act(Action::Navigate(Navigation::GoTo(3)));
-        bench.act(Action::Edit(EditAction::Pick(
-            touchline_documents::document::Target::Landmark("halfway_far".into()),
-        )));
+        bench.act(Action::Edit(EditAction::Pick(Target::Landmark(
+            "halfway_far".into(),
+        ))));
         bench.act(Action::Pointer(PointerAction::Press {
             at: ImagePoint::new(at.0, at.1),
             on: None,

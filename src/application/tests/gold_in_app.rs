@@ -193,14 +193,7 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
         );
     }
 
-    // What the journal has gives the same document.
-    let mut replayed = before.clone();
-    for effect in &bench.effects {
-        if let Effect::Journal { edit, .. } = effect {
-            edit.clone().apply(&mut replayed).unwrap();
-        }
-    }
-    assert_eq!(replayed, *bench.document());
+    assert_eq!(bench.replay_journal(&before), *bench.document());
     // After the round each click is a step of its own.
     bench.command(Command::Undo);
     assert_eq!(bench.document().frames[3].repeats.len(), 2);

@@ -1,30 +1,21 @@
 //! Wrong names in the application: found, marked, compared, mended in one step of undo; and written
 //! into the document.
 
+use crate::bench::{Bench, SIZE, base};
 use crate::seeded::{self, normal};
 use touchline_application::app::session::Mode;
 use touchline_application::app::{
-    Action, App, Command, EditAction, Effect, Navigation, Opened, PointerAction, Settings,
+    Action, App, Command, EditAction, Effect, Navigation, PointerAction,
 };
 use touchline_calibration::calibrate::{FrameLookup, calibrate};
-use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
-use touchline_core::geometry::{ImageSize, Vec2, Vec3};
+use touchline_core::geometry::{Vec2, Vec3};
 use touchline_core::solve::{IdentityKind, Verdict, WarningCode, judge};
 use touchline_documents::document::{
     Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target, VideoFrame,
     document_from_bytes, document_to_string,
 };
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
-
-fn base() -> CameraBase {
-    CameraBase::new(
-        Vec3::new(1.0, -62.0, 17.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
-}
 
 fn project() -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
@@ -67,12 +58,7 @@ fn swapped_frame() -> Frame {
 }
 
 fn open_document(document: Document) -> App {
-    let mut app = App::new(Settings::default());
-    app.update(Action::Opened(Box::new(Opened::new(
-        document,
-        "/nowhere/project.json",
-    ))));
-    app
+    Bench::new(document).app
 }
 
 fn names(app: &App) -> Vec<String> {

@@ -121,4 +121,7 @@ fn another_document_ends_a_look_at_an_export_and_its_writing() {
     open_another(&mut bench, &[write]);
     let transfer = &bench.app.operations.transfer;
     assert!(!transfer.is_looking() && transfer.writing().is_none());
+    let text = "The export was stopped, because another document was opened.";
+    let mut shown = bench.app.session.messages.notices.iter();
+    assert!(shown.any(|notice| notice.text == text));
 }

@@ -223,6 +223,29 @@ fn a_whole_shot_is_rejected_in_one_step_and_stepped_over() {
 }
 
 #[test]
+fn shots_are_stepped_through_where_the_document_lacks_their_first_frames() {
+    let mut document = document();
+    document.frames = document.frames.iter().step_by(4).cloned().collect();
+    let (mut app, search) = open_document(document);
+    let found = FoundShots {
+        last: FRAMES - 1,
+        cuts: vec![(10, ShotKind::Cut), (18, ShotKind::Cut)],
+    };
+    app.update(report_of(&search.unwrap(), Ok(found)));
+    app.update(Action::Command(Command::LastFrame));
+    for (command, number) in [
+        (Command::PreviousShot, 20),
+        (Command::PreviousShot, 12),
+        (Command::PreviousShot, 0),
+        (Command::NextShot, 12),
+        (Command::NextShot, 20),
+    ] {
+        app.update(Action::Command(command));
+        assert_eq!(app.frame().unwrap().video_frame_index(), Some(number));
+    }
+}
+
+#[test]
 fn nothing_is_accepted_before_its_picture_is_there() {
     let mut document = document();
     document.frames[4].ptz = Some(touchline_documents::document::FramePtz::new(

@@ -6,10 +6,11 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline_application::app::operation::{Job, Operation};
-use touchline_application::app::operations::CameraWatch;
+use touchline_application::app::operations::{BaseEstimate, CameraWatch};
 use touchline_application::app::selection::{Scope, Selecting};
 use touchline_application::app::{
-    Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, Settings,
+    Action, App, CameraChoice, Command, DiskReport, EditAction, Effect, Navigation, Opened,
+    Settings,
 };
 use touchline_application::jobs::SharedPictures;
 use touchline_calibration::calibrate::{
@@ -142,7 +143,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         ) else {
             continue;
         };
-        println!("{before}: {} {}", change.frame, change.describe());
+        println!("{before}: {} {}", change.frame, change.describe(&document));
         assert!(
             change.frame.abs_diff(before) <= 2,
             "{} for {before}",
@@ -336,6 +337,11 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
             .count()
     };
     assert_eq!(notices(&app), 1, "{:?}", app.session.messages.notices);
+    let open = app.open().unwrap();
+    let number = open.frame_number(app.camera_change().unwrap().frame);
+    let says = format!("The camera stopped fitting at frame {number} (");
+    let mut shown = app.session.messages.notices.iter();
+    assert!(shown.any(|notice| notice.text.starts_with(&says)), "{says}");
     app.update(Action::Navigate(Navigation::GoTo(3)));
     app.update(Action::Edit(EditAction::SetComment("rain".into())));
     assert_eq!(notices(&app), 1);
@@ -357,6 +363,42 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
         without_counts(&app.open().unwrap().document),
         without_counts(&before)
     );
+}
+
+#[test]
+fn a_base_that_was_estimated_with_another_field_is_discarded() {
+    let mut rng = seeded::rng("a_base_that_was_estimated_with_another_field");
+    let mut app = open(document(12, 12, 1.0, &mut rng));
+    for is_changed in [false, true] {
+        let effects = app.update(Action::Command(Command::EstimateBase));
+        let mut jobs = effects.into_iter().filter_map(|effect| match effect {
+            Effect::Start(job) if job.name() == BaseEstimate::NAME => Some(job),
+            _ => None,
+        });
+        let job = jobs.next().unwrap();
+        if is_changed {
+            let mut spec = app.shown_field_spec().unwrap().clone();
+            spec.params.insert("length_m".to_owned(), 101.0);
+            app.update(Action::Edit(EditAction::Field(spec)));
+        }
+        app.update(Action::Report(job.run(&SharedPictures::none(), &|_| ())));
+        assert_eq!(app.operations.proposed_base().is_none(), is_changed);
+    }
+}
+
+#[test]
+fn a_camera_is_looked_at_once_its_field_has_been_read() {
+    let mut rng = seeded::rng("the_app_tells_of_a_bump");
+    let mut document = document(24, 12, 2.0, &mut rng);
+    document.field = FieldSpec::new("own.json");
+    let mut app = open(document);
+    assert_eq!(app.camera_change(), None);
+    app.update(Action::Disk(DiskReport::TemplateRead {
+        of: "/match/project.json".into(),
+        name: "own.json".to_owned(),
+        template: Ok(Box::new(builtin("soccer").unwrap().clone())),
+    }));
+    assert!(app.camera_change().is_some());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Reasons to reject an answer of autocalibration.
 
 use thiserror::Error;
+use touchline_core::geometry::pluralise;
 
 /// A reason to reject an answer.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -19,7 +20,7 @@ pub enum Doubt {
         share: f64,
     },
     /// Too few lines are visible.
-    #[error("only {lines} lines are seen")]
+    #[error("only {} can be seen", pluralise(*.lines, "line"))]
     FewLines {
         /// Number of visible lines.
         lines: usize,
@@ -42,8 +43,8 @@ pub enum Doubt {
         /// Distance between the positions, m.
         parts_m: f64,
     },
-    /// The frames are too few for parts of them to confirm each other.
-    #[error("{frames} frames that show lines are too few to confirm each other: 3 are needed")]
+    /// The frames are too few for parts of them to confirm each other, or a part gives no position.
+    #[error("{}", why_unconfirmed(*.frames))]
     Unconfirmed {
         /// Number of frames that took part.
         frames: usize,
@@ -102,15 +103,13 @@ pub enum Doubt {
         value_m: f64,
     },
     /// A click lies far from the projection of its landmark.
-    #[error(
-        "the click on {landmark} in {frame} lies {off_px:.0} px from where the painted lines put it"
-    )]
+    #[error("the click on {landmark} in {frame} {}", relation_to_lines(*.off_px))]
     ClickContradicts {
         /// Id of the landmark.
         landmark: String,
         /// Name of the frame.
         frame: String,
-        /// Distance between the two, px of the frame.
+        /// Distance between the two, px of the frame; infinite for a landmark behind the camera.
         off_px: f64,
     },
     /// The paint of the frames' own pictures does not determine a base.
@@ -142,6 +141,25 @@ impl Doubt {
     }
 }
 
+/// Why parts of the frames do not confirm each other.
+fn why_unconfirmed(frames: usize) -> String {
+    let seen = format!("{} that show lines", pluralise(frames, "frame"));
+    if frames < 3 {
+        format!("{seen} are too few to confirm each other: 3 are needed")
+    } else {
+        format!("{seen} do not confirm each other: parts give no position")
+    }
+}
+
+/// How a click lies to where the painted lines put its landmark.
+fn relation_to_lines(off_px: f64) -> String {
+    if off_px.is_finite() {
+        format!("lies {off_px:.0} px from where the painted lines put it")
+    } else {
+        "shows what would lie behind the camera".to_owned()
+    }
+}
+
 /// How a message speaks of a length of the field.
 fn extent(name: &str) -> &'static str {
     if name == "length_m" { "long" } else { "wide" }
@@ -167,5 +185,38 @@ mod tests {
         assert!(!uncertain(&[&few, &other_sport]).is_for_want_of_frames());
         assert!(Abstention::LittlePaint { places: 40 }.is_for_want_of_frames());
         assert!(!Abstention::NothingFits.is_for_want_of_frames());
+    }
+
+    fn click(off_px: f64) -> Doubt {
+        Doubt::ClickContradicts {
+            landmark: "centre_mark".to_owned(),
+            frame: "13.png".to_owned(),
+            off_px,
+        }
+    }
+
+    #[test]
+    fn doubts_are_in_plain_words_whatever_their_numbers() {
+        for (doubt, says) in [
+            (Doubt::FewLines { lines: 1 }, "only 1 line can be seen"),
+            (
+                Doubt::Unconfirmed { frames: 2 },
+                "2 frames that show lines are too few to confirm each other: 3 are needed",
+            ),
+            (
+                Doubt::Unconfirmed { frames: 7 },
+                "7 frames that show lines do not confirm each other: parts give no position",
+            ),
+            (
+                click(13.0),
+                "the click on centre_mark in 13.png lies 13 px from where the painted lines put it",
+            ),
+            (
+                click(f64::INFINITY),
+                "the click on centre_mark in 13.png shows what would lie behind the camera",
+            ),
+        ] {
+            assert_eq!(doubt.to_string(), says);
+        }
     }
 }

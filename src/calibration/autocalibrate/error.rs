@@ -30,13 +30,11 @@ pub enum AutocalibrationError {
 #[non_exhaustive]
 pub enum Abstention {
     /// Too few frames match each other.
-    #[error(
-        "at most {connected} of {frames} frames match each other: use three or more overlapping frames of one camera that does not move"
-    )]
+    #[error("{}", why_not_connected(*.frames, *.connected))]
     NotConnected {
-        /// Number of sampled frames.
+        /// Number of sampled frames with a picture that could be read.
         frames: usize,
-        /// Size of the largest connected group.
+        /// Size of the largest connected group; 1 if no two frames match.
         connected: usize,
     },
     /// The matches do not fit a camera that only rotates and zooms.
@@ -84,6 +82,17 @@ impl Abstention {
     }
 }
 
+/// Why the frames are no group of one camera.
+fn why_not_connected(frames: usize, connected: usize) -> String {
+    let matching = match (frames, connected) {
+        (0, _) => return "no picture of its frames can be read".to_owned(),
+        (1, _) => "there is only 1 frame".to_owned(),
+        (_, 0 | 1) => format!("no two of the {frames} frames match each other"),
+        _ => format!("at most {connected} of {frames} frames match each other"),
+    };
+    format!("{matching}: use three or more overlapping frames of one camera that does not move")
+}
+
 fn join_doubts(doubts: &[Doubt]) -> String {
     doubts
         .iter()
@@ -107,5 +116,23 @@ impl From<AutocalibrationError> for Stop {
 impl From<Abstention> for Stop {
     fn from(why: Abstention) -> Self {
         Self::Abstained(why)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Abstention;
+
+    #[test]
+    fn frames_that_do_not_match_are_counted_and_pictures_that_cannot_be_read_are_named() {
+        for (frames, connected, begins) in [
+            (0, 0, "no picture of its frames can be read"),
+            (1, 1, "there is only 1 frame: "),
+            (5, 1, "no two of the 5 frames match each other: "),
+            (5, 2, "at most 2 of 5 frames match each other: "),
+        ] {
+            let says = Abstention::NotConnected { frames, connected }.to_string();
+            assert!(says.starts_with(begins), "{says}");
+        }
     }
 }

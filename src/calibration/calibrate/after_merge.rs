@@ -72,8 +72,7 @@ pub fn solve_after_merge(
     // Clicked frames come last and all at once. Where the clicks of a frame fit two cameras its
     // neighbours decide, and these are then on their new base.
     if !clicked.is_empty() {
-        solve_by_clicks(document, folder, &clicked, &Progress::default())?;
-        done.solved = clicked.len();
+        done.solved = solve_by_clicks(document, folder, &clicked, &Progress::default())?;
     }
     Ok(done)
 }
@@ -196,6 +195,19 @@ mod tests {
         );
         assert!((pan_deg(&merged, 0) - again.unwrap().ptz.pan.degrees()).abs() < 1e-9);
         assert!((pan_deg(&merged, 0) - pan_deg(&ours, 0)).abs() > 1.0);
+    }
+
+    #[test]
+    fn a_frame_of_too_few_clicks_is_not_counted_as_solved() {
+        let (start, folder) = (document(), Path::new(""));
+        let (mut ours, mut theirs) = (start.clone(), start.clone());
+        click(&mut ours, 0, 1.0);
+        let single = ours.frames[0].clicks[0].clone();
+        ours.frames[1].clicks.push(single);
+        theirs.cameras[0].set_base(&base(9.0));
+        let mut merged = merge(&start, &ours, &theirs).document;
+        let done = solve_after_merge(&mut merged, &[&ours, &theirs], folder).unwrap();
+        assert_eq!(done.solved, 1);
     }
 
     #[test]

@@ -27,12 +27,14 @@ pub struct CameraChange {
 }
 
 impl CameraChange {
-    /// The warning for the user.
+    /// The warning for the user, with the number of the frame in its document.
     #[must_use]
-    pub fn describe(&self) -> String {
+    pub fn describe(&self, document: &Document) -> String {
+        let frame = document.frames.get(self.frame);
+        let number = frame.map_or(self.frame, |frame| frame.number_at(self.frame) as usize);
         format!(
             "The camera stopped fitting at frame {} ({:.0} px before, {:.0} px since).",
-            thousands(self.frame + 1),
+            thousands(number),
             self.before_px,
             self.after_px
         )

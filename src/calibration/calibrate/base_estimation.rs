@@ -7,7 +7,7 @@ use super::on_paint::BasePaintAlignment;
 use super::own_cameras::cameras_from_lines;
 use super::solve_frames::{FrameFields, is_by_clicks, solve_frames};
 use super::{CalibrationError, observations};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use thiserror::Error;
@@ -22,7 +22,7 @@ use touchline_core::solve::base::{
 };
 use touchline_core::solve::{FrameSolution, ObservationError, Verdict, WarningCode};
 use touchline_documents::document::{
-    Camera, CameraId, Document, DocumentAt, Frame, FrameStatus, SolutionWarning, Target,
+    Camera, CameraId, Click, Document, DocumentAt, Frame, FrameStatus, SolutionWarning, Target,
 };
 
 /// Why a base cannot be estimated.
@@ -83,6 +83,9 @@ pub struct EstimatedBase {
     pub sizes: Vec<FittedSize>,
     /// The evidence from painted lines, where they took part.
     pub on_paint: Option<Arc<BasePaintAlignment>>,
+    /// The clicks of the frames with disputed clicks or mirrored names, by the frames' indices in
+    /// the document. The estimate says nothing of clicks that were changed later.
+    pub(super) doubted_clicks: BTreeMap<usize, Vec<Click>>,
 }
 
 /// The residuals of the clicks on one landmark, over all frames.
@@ -165,8 +168,12 @@ impl BaseProblem {
         let field = document.model_of(document.field_of_camera(camera))?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
         for (index, frame) in document.frames.iter().enumerate() {
-            // Frames of another picture size cannot share the camera's lens and principal point.
-            if frame.camera != *camera || frame.image_size != known.image_size {
+            // Frames of another picture size cannot share the camera's lens and principal point. A
+            // wrong name in a frame that takes no part does no harm.
+            if frame.camera != *camera
+                || frame.image_size != known.image_size
+                || !frame.is_used_for_base()
+            {
                 continue;
             }
             let observations =
@@ -176,7 +183,7 @@ impl BaseProblem {
                 })?;
             // Check clicks alone contribute nothing to a base.
             let has_clicks = observations.iter().any(|observation| !observation.check);
-            if frame.is_used_for_base() && (has_clicks || is_wanted(frame)) {
+            if has_clicks || is_wanted(frame) {
                 frames.push(index);
                 clicks.push(FrameClicks {
                     observations,
@@ -257,6 +264,12 @@ impl BaseProblem {
         for mirrored in &mut estimate.mirrored {
             mirrored.frame = self.frames[mirrored.frame];
         }
+        let disputed = estimate.disputed.iter().map(|disputed| disputed.frame);
+        let mirrored = estimate.mirrored.iter().map(|mirrored| mirrored.frame);
+        let doubted_clicks = disputed
+            .chain(mirrored)
+            .filter_map(|index| Some((index, document.frames.get(index)?.clicks.clone())))
+            .collect();
         let landmarks = self.landmark_fits(document, &estimate);
         let (camera, frames) = (self.camera.clone(), self.frames.clone());
         EstimatedBase {
@@ -266,6 +279,7 @@ impl BaseProblem {
             landmarks,
             sizes: Vec::new(),
             on_paint: None,
+            doubted_clicks,
         }
     }
 
@@ -337,7 +351,8 @@ impl EstimatedBase {
     }
 
     /// Marks the clicks that disagree with the base and the frames with mirrored names in the
-    /// solutions of these frames. Call it after the frames have been solved with the new base.
+    /// solutions of these frames, unless their clicks have changed since the estimation. Call it
+    /// after the frames have been solved with the new base.
     pub fn mark_disputes(&self, document: &mut Document) {
         let places: Vec<usize> = (0..document.frames.len()).collect();
         self.mark_disputes_in(document, &places);
@@ -345,12 +360,18 @@ impl EstimatedBase {
 
     /// The same for some frames only, by their indices in the document, ascending.
     fn mark_disputes_in(&self, document: &mut Document, places: &[usize]) {
-        let is_concerned = |index: usize| places.binary_search(&index).is_ok();
+        // The estimate is written later than it was computed, and the user may have corrected a
+        // frame in between.
+        let doubted = self.doubted_clicks.iter().filter(|(index, then)| {
+            let now = document.frames.get(**index);
+            places.binary_search(index).is_ok() && now.is_some_and(|now| now.clicks == **then)
+        });
+        let concerned: BTreeSet<usize> = doubted.map(|(index, _)| *index).collect();
         for disputed in self
             .estimate
             .disputed
             .iter()
-            .filter(|disputed| is_concerned(disputed.frame))
+            .filter(|disputed| concerned.contains(&disputed.frame))
         {
             let Some(frame) = document.frames.get_mut(disputed.frame) else {
                 continue;
@@ -392,7 +413,7 @@ impl EstimatedBase {
             .estimate
             .mirrored
             .iter()
-            .filter(|mirrored| is_concerned(mirrored.frame))
+            .filter(|mirrored| concerned.contains(&mirrored.frame))
         {
             // A frame that fits the base with mirrored names gets a warning, once, and its verdict
             // is `Wrong`.
@@ -571,8 +592,10 @@ mod tests {
     use crate::calibrate::fixtures::document_with;
     use touchline_core::camera::{BaseAngles, Ptz};
     use touchline_core::geometry::{Mat3, Vec3};
-    use touchline_core::solve::base::ModelReason;
-    use touchline_documents::document::FramePtz;
+    use touchline_core::solve::base::{DisputedClick, ModelReason};
+    use touchline_documents::document::{FramePtz, Solution};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn base(heading_deg: f64) -> CameraBase {
         let angles = BaseAngles {
@@ -580,22 +603,12 @@ mod tests {
             ..BaseAngles::default()
         };
         let position_m = Vec3::new(0.0, -60.0, 18.0);
-        CameraBase::new(
-            position_m,
-            angles.base_from_world(),
-            ImagePoint::new(960.0, 540.0),
-        )
+        CameraBase::new(position_m, angles.base_from_world(), SIZE.centre())
     }
 
-    #[test]
-    fn a_rejected_frame_keeps_its_direction_in_the_world() {
-        let size = ImageSize::new(1920, 1080);
-        let mut document = document_with(&base(20.0), size);
-        let mut frame = Frame::from_image("1.jpg", "main".into(), size);
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -12.0, 2000.0), None));
-        frame.status = FrameStatus::Rejected;
-        document.frames.push(frame.into());
-        let estimate = BaseEstimate {
+    /// An estimate of a base along world +y that took no frame.
+    fn estimate() -> BaseEstimate {
+        BaseEstimate {
             base: base(0.0),
             crown_m: 0.0,
             model: BaseModel {
@@ -613,17 +626,69 @@ mod tests {
             one_more_frame: None,
             disputed: Vec::new(),
             mirrored: Vec::new(),
-        };
-        let estimated = EstimatedBase {
-            camera: "main".into(),
-            frames: Vec::new(),
-            estimate,
-            landmarks: Vec::new(),
-            sizes: Vec::new(),
-            on_paint: None,
-        };
+        }
+    }
+
+    fn problem(document: &Document) -> Result<BaseProblem, BaseEstimationError> {
+        BaseProblem::from_document(document.at(Path::new("/")), &"main".into())
+    }
+
+    #[test]
+    fn a_rejected_frame_keeps_its_direction_in_the_world() {
+        let mut document = document_with(&base(20.0), SIZE);
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -12.0, 2000.0), None));
+        frame.status = FrameStatus::Rejected;
+        document.frames.push(frame.into());
+        let estimated = problem(&document)
+            .unwrap()
+            .estimated_base(&document, estimate());
         estimated.write_to(&mut document, Path::new("/")).unwrap();
         let pan_deg = document.frames[0].ptz.as_ref().unwrap().pan_deg;
         assert!((pan_deg - 25.0).abs() < 1e-9, "{pan_deg}");
+    }
+
+    #[test]
+    fn a_wrong_name_in_a_rejected_frame_does_not_end_the_estimation() {
+        let mut document = document_with(&base(0.0), SIZE);
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        let click = Click::landmark("no_such_mark".into(), SIZE.centre());
+        frame.clicks.push(click);
+        document.frames.push(frame.into());
+        assert!(problem(&document).is_err());
+        document.frames[0].status = FrameStatus::Rejected;
+        assert!(problem(&document).is_ok());
+    }
+
+    #[test]
+    fn clicks_that_changed_after_the_estimation_are_not_disputed() {
+        let mut document = document_with(&base(0.0), SIZE);
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        for landmark in ["centre_mark", "halfway_far"] {
+            let click = Click::landmark(landmark.into(), SIZE.centre());
+            frame.clicks.push(click);
+        }
+        frame.solution = Some(Solution::default());
+        document.frames.push(frame.into());
+        let disputed = DisputedClick {
+            frame: 0,
+            click: 1,
+            error_px: Some(90.0),
+            fits_better: None,
+        };
+        let estimate = BaseEstimate {
+            disputed: vec![disputed],
+            ..estimate()
+        };
+        let estimated = problem(&document)
+            .unwrap()
+            .estimated_base(&document, estimate);
+        let mut same = document.clone();
+        estimated.mark_disputes(&mut same);
+        assert_eq!(same.frames[0].solution.as_ref().unwrap().disputed, [1]);
+        document.frames[0].clicks.remove(0);
+        estimated.mark_disputes(&mut document);
+        let solution = document.frames[0].solution.as_ref().unwrap();
+        assert!(solution.disputed.is_empty());
     }
 }

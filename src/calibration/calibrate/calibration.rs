@@ -10,7 +10,7 @@ use touchline_core::solve::{
     FrameSolution, Observation, ObservationError, SolveContext, SolveError, check_identity,
     solve_frame,
 };
-use touchline_documents::document::{Document, Frame, Target};
+use touchline_documents::document::{Document, Frame, FrameStatus, Target};
 
 /// Maximum number of solved neighbours that a solve gets.
 const NEIGHBOURS: usize = 4;
@@ -163,7 +163,7 @@ pub fn calibrate(
 }
 
 /// Pan, tilt and focal length of at most four solved frames of the same camera and shot, nearest
-/// first.
+/// first. Rejected frames do not count.
 #[must_use]
 pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
     /// Frames farther away are not used: in that time a camera can go anywhere.
@@ -182,6 +182,7 @@ pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
         {
             if other.camera == frame.camera
                 && other.clip == frame.clip
+                && other.status != FrameStatus::Rejected
                 && let Some(ptz) = other.ptz.as_ref().filter(|_| other.vouches())
             {
                 found.push(ptz.ptz());
@@ -192,4 +193,23 @@ pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_documents::document::{FieldSpec, FramePtz};
+
+    #[test]
+    fn a_rejected_frame_is_no_neighbour() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for pan_deg in [0.0, 1.0, 2.0] {
+            let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(64, 36));
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 90.0), None));
+            document.frames.push(frame.into());
+        }
+        assert_eq!(solved_neighbours(&document, 1).len(), 2);
+        document.frames[0].status = FrameStatus::Rejected;
+        assert_eq!(solved_neighbours(&document, 1).len(), 1);
+    }
 }

@@ -226,10 +226,14 @@ fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
 }
 
 /// The disagreement of the middle one of three solved frames; none if the outer two are more than
-/// [`WITHIN`] frames apart.
+/// [`WITHIN`] frames apart, or if it does not lie between them in time.
 fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
     let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
-    if way(from, before, to, after)?.abs() > WITHIN {
+    let whole = way(from, before, to, after)?;
+    let part = way(from, before, frame, index)?;
+    // A document may list the frames of a video in any order.
+    let is_between = (whole.min(0.0)..=whole.max(0.0)).contains(&part);
+    if whole.abs() > WITHIN || !is_between {
         return None;
     }
     let own = document.ptz_camera(frame)?;
@@ -384,8 +388,8 @@ mod tests {
     }
 
     #[test]
-    fn frames_far_apart_in_the_video_are_not_compared_in_either_order() {
-        for numbers in [[0, 1, 900], [900, 1, 0]] {
+    fn frames_far_apart_in_the_video_or_out_of_order_are_not_compared() {
+        for numbers in [[0, 1, 900], [900, 1, 0], [0, 30, 20]] {
             let mut document = document(&[0.0, 9.0, -4.0]);
             for (frame, number) in document.frames.iter_mut().zip(numbers) {
                 frame.video = Some(VideoFrame::new("match.mp4", number, None));

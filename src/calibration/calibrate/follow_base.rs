@@ -151,12 +151,15 @@ pub(super) fn pan_turn(before: Option<&CameraBase>, now: Option<&CameraBase>) ->
     })
 }
 
-/// Whether a frame's camera came from its picture. One from clicks is solved again; one that a
-/// person typed stays.
+/// Whether a frame's camera came from its picture, or from those of its neighbours. One from clicks
+/// is solved again; one that a person typed stays.
 fn follows_picture(frame: &Frame) -> bool {
-    use SolutionSource::{Forest, Import, Markings, Tracking};
-    let source = frame.source();
-    frame.ptz.is_some() && matches!(source, Some(Forest | Tracking | Markings | Import))
+    use SolutionSource::{Forest, Import, Interpolated, Markings, Tracking};
+    let is_of_picture = matches!(
+        frame.source(),
+        Some(Forest | Tracking | Markings | Import | Interpolated)
+    );
+    frame.ptz.is_some() && is_of_picture
 }
 
 /// Removes the uncertainty of a camera and the paint's verdict on it: both were computed with the
@@ -242,6 +245,7 @@ mod tests {
             (SolutionSource::Markings, FrameStatus::Suggested),
             (SolutionSource::Markings, FrameStatus::Reference),
             (SolutionSource::Import, FrameStatus::Draft),
+            (SolutionSource::Interpolated, FrameStatus::Suggested),
             (SolutionSource::Forest, FrameStatus::Reference),
         ] {
             let (before, mut after) = raised(Some(source), status);

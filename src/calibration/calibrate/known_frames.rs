@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel, Template};
-use touchline_core::geometry::{PixelBox, subsample};
+use touchline_core::geometry::{PixelBox, pluralise, subsample};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
@@ -58,8 +58,10 @@ pub enum BaseOnPaintError {
     Base(#[from] BaseEstimationError),
     /// Hardly any paint is visible where the cameras project the lines.
     #[error(
-        "painted lines are seen in {frames} frames, {lines} different lines in all ({FRAMES_FOR_PAINT} frames and {FEWEST_LINES} lines are \
-         needed): refine the base from clicks alone, or click frames that show more of the lines"
+        "painted lines are seen in {}, {} in all ({FRAMES_FOR_PAINT} frames and {FEWEST_LINES} lines are \
+         needed): refine the base from clicks alone, or click frames that show more of the lines",
+        pluralise(*frames, "frame"),
+        pluralise(*lines, "different line")
     )]
     TooFewLines {
         /// Number of frames whose camera could be aligned to its paint.

@@ -18,7 +18,7 @@ use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::geometry::{Vec3, mean, subsample};
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{
-    Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame,
+    Camera, CameraId, Document, DocumentAt, FieldSize, FieldSpec, Frame, FrameStatus,
 };
 use touchline_vision::paint::{GroundPicture, check_lines};
 use touchline_vision::relocalize::CERTAIN;
@@ -247,18 +247,19 @@ fn is_off_paint(frame: &Frame) -> bool {
         .any(|warning| warning.code == LINE_CHECK || warning.code == LENGTH_UNSEEN)
 }
 
-/// The solved frames of a camera that satisfy a condition on frame and confidence. A camera without
-/// a stated confidence counts as certain (1).
+/// The solved frames of a camera that satisfy a condition on frame and confidence, without rejected
+/// ones. A camera without a stated confidence counts as certain (1).
 fn frames_of<'a>(
     document: &'a Document,
     camera: &CameraId,
     is_included: impl Fn(&Frame, f64) -> bool,
 ) -> Vec<&'a Frame> {
-    let of_camera = document
+    let solved = document
         .frames
         .iter()
         .map(|frame| &**frame)
-        .filter(|frame| frame.camera == *camera && frame.ptz.is_some());
+        .filter(|frame| frame.ptz.is_some() && frame.status != FrameStatus::Rejected);
+    let of_camera = solved.filter(|frame| frame.camera == *camera);
     of_camera
         .filter(|frame| {
             let solution = frame.solution.as_ref();
@@ -357,10 +358,10 @@ mod tests {
     use std::path::Path;
     use touchline_core::camera::BaseAngles;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FramePtz, FrameStatus, Solution, SolutionWarning};
+    use touchline_documents::document::{FramePtz, Solution, SolutionWarning};
 
-    #[test]
-    fn pictures_that_cannot_be_read_give_no_length() {
+    /// Three frames in doubt, and four certain ones that show the right end alone.
+    fn right_end_seen() -> Document {
         const SIZE: ImageSize = ImageSize::new(640, 360);
         let base = CameraBase::new(
             Vec3::new(3.0, -62.0, 17.0),
@@ -368,7 +369,6 @@ mod tests {
             SIZE.centre(),
         );
         let mut document = document_with(&base, SIZE);
-        // Three frames in doubt, and four certain ones that show the right end alone.
         for (pan_deg, confidence) in [
             (13.0, 0.3),
             (15.0, 0.3),
@@ -389,6 +389,22 @@ mod tests {
             });
             document.frames.push(frame.into());
         }
+        document
+    }
+
+    #[test]
+    fn the_camera_of_a_rejected_frame_is_not_certain() {
+        let mut document = right_end_seen();
+        for frame in document.frames.iter_mut().skip(3) {
+            frame.status = FrameStatus::Rejected;
+        }
+        let at = document.at(Path::new(""));
+        assert!(unseen_length(at, &document.cameras[0]).unwrap().is_none());
+    }
+
+    #[test]
+    fn pictures_that_cannot_be_read_give_no_length() {
+        let document = right_end_seen();
         let at = document.at(Path::new(""));
         let unseen = unseen_length(at, &document.cameras[0]).unwrap();
         assert!(

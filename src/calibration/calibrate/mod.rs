@@ -31,7 +31,6 @@ mod own_noise;
 mod paint;
 mod record_found;
 mod refit;
-mod replacement;
 mod size_fit;
 mod solve_all;
 mod solve_frames;
@@ -83,15 +82,14 @@ pub use on_paint::{BasePaintAlignment, BasePaintEvidence, OnPaintErrors};
 pub use own_cameras::{OwnCameraError, OwnCameras, give_own_cameras};
 pub(crate) use own_covariance::{covariance_on_paint, own_covariance};
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
-pub(crate) use paint::paint_evidence;
 pub use paint::{
     FindFrameError, LINE_CHECK, OnPaintError, SnapFrameError, camera_on_paint, check_frame,
     find_frame, record_found_by_paint, record_line_check, record_on_paint, record_snapped,
     snap_clicks, snap_frame,
 };
+pub(crate) use paint::{may_replace, paint_evidence};
 pub use record_found::record_found;
 pub(crate) use refit::{ground_moved_px, ptz_on_base};
-pub(crate) use replacement::may_replace;
 pub(crate) use size_fit::OpenSize;
 pub use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};

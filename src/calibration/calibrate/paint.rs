@@ -1,7 +1,7 @@
 //! The painted lines of a frame's picture: aligns its camera to them, or checks the camera against
 //! them.
 
-use super::{may_replace, observations};
+use super::observations;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -26,6 +26,9 @@ pub const NOT_SNAPPED: &str = "not_snapped";
 
 /// The code of a warning that no camera was found from the paint alone.
 pub const NOT_FOUND: &str = "not_found_by_paint";
+
+/// The code of a warning that a camera's lines moved because its base changed.
+pub(super) const BASE_MOVED: &str = "base_moved";
 
 /// Why a frame's camera was not aligned to the paint.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -253,6 +256,18 @@ fn snap_click(
     snap_point(ground, field, camera, landmark, click.image, &options)
 }
 
+/// The scores of two cameras that are the same answer differ by at most about this, because paint
+/// is localised to half a pixel.
+const SCORE_NOISE: f64 = 0.05;
+
+/// Whether a computed camera (tracked, aligned to paint, or proposed by a forest) may replace an
+/// earlier one: it must be as probable, within the noise of the score. Both are compared with the
+/// same picture, and the new one is checked where its adjustment ended: a check made before an
+/// adjustment does not apply to its result.
+pub(crate) fn may_replace(earlier: &LineCheck, now: &LineCheck) -> bool {
+    now.score >= earlier.score - SCORE_NOISE
+}
+
 /// A line check in the document's form; values that are not finite are left out.
 pub(crate) fn paint_evidence(check: &LineCheck) -> PaintEvidence {
     PaintEvidence {
@@ -276,7 +291,7 @@ pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     // The fields from clicks stay; uncertainty, residual, confidence and line check are replaced by
     // the alignment's.
     let mut solution = frame.solution.take().unwrap_or_default();
-    drop_paint_warnings(&mut solution);
+    drop_settled_warnings(&mut solution);
     frame.solution = Some(Solution {
         covariance: Some(snapped.uncertainty.ptz_covariance_deg()),
         own_covariance: Some(snapped.uncertainty.own_covariance_deg()),
@@ -342,8 +357,78 @@ fn against(check: &LineCheck) -> String {
     )
 }
 
-fn drop_paint_warnings(solution: &mut Solution) {
+/// Drops the warnings about the camera that an alignment replaces; those about clicks stay.
+fn drop_settled_warnings(solution: &mut Solution) {
+    use SolutionSource::{Forest, Tracking};
+    // All that a forest or tracking says is about its camera, or why it found none. Once clicks
+    // have corrected the camera, the warnings are theirs.
+    if matches!(solution.source, Some(Forest | Tracking)) && solution.proposed.is_none() {
+        solution.warnings.clear();
+    }
+    let settled = [NOT_SNAPPED, NOT_FOUND, LINE_CHECK, BASE_MOVED];
     solution
         .warnings
-        .retain(|warning| ![NOT_SNAPPED, NOT_FOUND, LINE_CHECK].contains(&warning.code.as_str()));
+        .retain(|warning| !settled.contains(&warning.code.as_str()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{BaseAngles, Ptz};
+    use touchline_core::geometry::{ImageSize, Mat3, Vec3};
+    use touchline_core::solve::Uncertainty;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// The codes of the warnings that are left of these once the frame is aligned to its paint.
+    fn codes_after_alignment(source: SolutionSource, codes: &[&str]) -> Vec<String> {
+        let upright = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -62.0, 17.0), upright, SIZE.centre());
+        let ptz = Ptz::from_degrees(3.0, -12.0, 2600.0);
+        let camera = PtzCamera::new(base, ptz);
+        let covariance = Mat3::from_diagonal(&Vec3::new(1e-8, 1e-8, 4.0));
+        let snapped = Snapped {
+            ptz,
+            own_lens: None,
+            samples: 90,
+            rms_px: 0.5,
+            halves_px: 0.5,
+            uncertainty: Uncertainty::from_covariance(&camera, covariance, SIZE).unwrap(),
+            check: LineCheck {
+                predicted: 90,
+                found: 80,
+                bare: 5,
+                offset_px: 0.5,
+                bias_px: 0.0,
+                halves_px: 0.5,
+                unexplained: None,
+                emptiest: None,
+                agreement: 0.9,
+                score: 0.97,
+            },
+        };
+        let warnings = codes
+            .iter()
+            .map(|code| SolutionWarning::new(code, "why".to_owned()));
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        frame.solution = Some(Solution {
+            source: Some(source),
+            warnings: warnings.collect(),
+            ..Solution::default()
+        });
+        record_snapped(&mut frame, &base, &snapped);
+        let left = frame.solution.unwrap().warnings.into_iter();
+        left.map(|warning| warning.code).collect()
+    }
+
+    #[test]
+    fn an_alignment_settles_what_was_said_of_the_camera_before_it() {
+        assert_eq!(
+            codes_after_alignment(SolutionSource::Clicks, &["wrong_line", BASE_MOVED]),
+            ["wrong_line"]
+        );
+        for source in [SolutionSource::Forest, SolutionSource::Tracking] {
+            assert_eq!(codes_after_alignment(source, &["coverage"]), [""; 0]);
+        }
+    }
 }

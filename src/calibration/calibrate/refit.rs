@@ -4,11 +4,11 @@
 //! tilt and focal length are solved for again such that these stay where they were as well as the
 //! new base allows.
 
-use super::paint::replace_warning;
+use super::paint::{BASE_MOVED, replace_warning};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, median_high};
 use touchline_core::solve::{ClickResidual, Observation, SolveContext, solve_frame};
-use touchline_documents::document::{Camera, Document, Frame};
+use touchline_documents::document::{Document, Frame};
 
 /// Columns and rows of the grid of pixels that are to keep their ground points.
 const COLUMNS: u32 = 7;
@@ -36,7 +36,9 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
     let Some(frame) = document.frames.get(index) else {
         return;
     };
-    let Some(base) = document.camera_of(frame).and_then(Camera::base) else {
+    // With the frame's own lens, if it states one: it is drawn with that.
+    let camera = document.camera_of(frame);
+    let Some(base) = camera.and_then(|camera| camera.base_for(frame)) else {
         return;
     };
     let Some((ptz, off_px)) = ptz_on_base(&known, &base, frame.image_size) else {
@@ -52,7 +54,6 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
 
 /// Adds a warning if the lines moved nevertheless.
 fn tell(frame: &mut Frame, off_px: f64) {
-    const CODE: &str = "base_moved";
     let Some(solution) = &mut frame.solution else {
         return;
     };
@@ -62,7 +63,7 @@ fn tell(frame: &mut Frame, off_px: f64) {
             "The base changed after this frame was accepted: its lines moved by up to {off_px:.0} px. Check it again."
         )
     });
-    replace_warning(solution, CODE, message);
+    replace_warning(solution, BASE_MOVED, message);
 }
 
 /// Pan, tilt and focal length on another base that keep the ground in place on the picture, and the
@@ -127,7 +128,7 @@ fn visible_ground(
 mod tests {
     use super::*;
     use crate::calibrate::fixtures::document_with;
-    use touchline_core::camera::BaseAngles;
+    use touchline_core::camera::{BaseAngles, Radial};
     use touchline_documents::document::{FramePtz, Solution};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -181,6 +182,19 @@ mod tests {
                 .warnings
                 .is_empty()
         );
+    }
+
+    #[test]
+    fn a_frame_keeps_its_own_lens_where_its_camera_has_none() {
+        let mut before = accepted();
+        let ptz = Ptz::from_degrees(5.0, -14.0, 2300.0);
+        before.frames[0].ptz = Some(FramePtz::new(ptz, Some(Radial::k1(-0.1))));
+        let mut after = before.clone();
+        after.cameras[0].set_base(&base(17.2));
+        refit(&mut after, 0, &before);
+        let now = after.frames[0].ptz.as_ref().unwrap();
+        assert_eq!(now.k1, Some(-0.1));
+        assert_ne!(now.tilt_deg, -14.0);
     }
 
     #[test]

@@ -22,7 +22,7 @@ const SIGMA_SHARE: f64 = 1.0 / 12.0;
 
 impl BaseProblem {
     /// Estimates the base together with the field's size: first the base on the field as assumed,
-    /// then the size, then the base again. `document` is the one that the clicks were gathered
+    /// then the size, then the base again if the size has changed. `document` is the one that the clicks were gathered
     /// from.
     ///
     /// # Errors
@@ -48,6 +48,10 @@ impl BaseProblem {
         let open = OpenSize::new(template, &self.field);
         let fitted = self.fit_size(&open, &self.clicks, (&found.estimate.base, &ptz), model);
         let sizes = open.fitted_or_assumed(fitted);
+        // Where the frames show no length, the field and with it the base stay as they are.
+        if sizes.iter().all(|size| size.is_open) {
+            return Ok(EstimatedBase { sizes, ..found });
+        }
         // The base again, on a copy of the document with the fitted field.
         let mut sized = document.document.clone();
         set_field_size(&mut sized, &self.camera, &sizes);

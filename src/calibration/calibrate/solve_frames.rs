@@ -105,8 +105,8 @@ fn solve_one(
 }
 
 /// Solves those of some frames again whose camera comes from clicks, or would if there had been a
-/// base. Call it after a camera or a field has changed. `folder` is the document's. If `progress`
-/// cancels this, no frame is changed.
+/// base; returns the number of frames that were solved. Call it after a camera or a field has
+/// changed. `folder` is the document's. If `progress` cancels this, no frame is changed.
 ///
 /// # Errors
 /// A field of the document is not valid; no frame is solved then.
@@ -115,21 +115,21 @@ pub(super) fn solve_by_clicks(
     folder: &Path,
     places: &[usize],
     progress: &Progress<'_, ()>,
-) -> Result<(), FieldError> {
+) -> Result<usize, FieldError> {
     let fields = Fields::from_document(document.at(folder))?;
     let places = places
         .iter()
         .copied()
         .filter(|&index| is_by_clicks(&document.frames[index]));
     let places: Vec<usize> = places.collect();
-    solve_frames(
+    let results = solve_frames(
         document,
         &places,
         FrameFields::Document(&fields),
         record_outcome,
         progress,
     );
-    Ok(())
+    Ok(results.into_iter().flatten().flatten().count())
 }
 
 /// Whether a frame has clicks and its camera comes from them, or would if there had been a base.

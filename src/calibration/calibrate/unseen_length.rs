@@ -111,8 +111,8 @@ impl UnseenLength {
             return None;
         }
         unseen.end = if right > left { End::Right } else { End::Left };
-        // At ± 2 σ, within what the rules allow, lines of the middle may be in the picture that are
-        // outside it at the assumed length.
+        // At ± 2 σ, lines of the middle may be in the picture that are outside it at the assumed
+        // length.
         let lengths = SIGMAS.map(|sigmas| unseen.assumed_length_m() + sigmas * unseen.sigma_m());
         unseen.likely = lengths
             .into_iter()
@@ -137,8 +137,11 @@ impl UnseenLength {
         (param.min_m, param.max_m)
     }
 
-    /// The field at another length, and the base from which the seen end projects as before.
+    /// The field at another length, clamped to what the rules allow, and the base from which the
+    /// seen end projects as before.
     pub fn at_length(&self, length_m: f64) -> Option<(FieldModel, CameraBase)> {
+        let (min_m, max_m) = self.limits_m();
+        let length_m = length_m.clamp(min_m, max_m);
         let mut values_m = self.values_m.clone();
         values_m[self.length] = length_m;
         let field = self.size.field_with_lengths(&values_m)?;
@@ -233,4 +236,33 @@ fn telling_samples(field: &FieldModel, camera: &PtzCamera, image: ImageSize) -> 
         Some((sample.line, (move_px.dot(&sample.normal) / STEP_M).abs()))
     });
     moved.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::BaseAngles;
+    use touchline_core::field::builtin;
+
+    #[test]
+    fn neither_field_nor_base_goes_beyond_the_lengths_that_the_rules_allow() {
+        let image = ImageSize::new(640, 360);
+        let base = CameraBase::new(
+            Vec3::new(3.0, -62.0, 17.0),
+            BaseAngles::default().base_from_world(),
+            image.centre(),
+        );
+        let template = builtin("soccer").unwrap();
+        let field = template.default_model().unwrap();
+        let size = OpenSize::new(template.clone(), &field);
+        // The right end alone.
+        let looks = [33.0, 35.0, 37.0, 39.0]
+            .map(|pan_deg| (Ptz::from_degrees(pan_deg, -12.0, 1066.0), image));
+        let unseen = UnseenLength::new(size, &field, &base, &looks).unwrap();
+        let (_, longest_m) = unseen.limits_m();
+        let (longest, from) = unseen.at_length(longest_m).unwrap();
+        let (beyond, from_beyond) = unseen.at_length(longest_m + 40.0).unwrap();
+        assert_eq!((longest.length_m, beyond.length_m), (longest_m, longest_m));
+        assert_eq!(from_beyond.position_m, from.position_m);
+    }
 }

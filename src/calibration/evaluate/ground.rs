@@ -13,9 +13,9 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, quantile};
+use touchline_core::geometry::{ImagePoint, ImageSize, pluralise, quantile};
 use touchline_core::score::{field_grid, ground_error_m};
-use touchline_documents::document::{DocumentAt, Fields};
+use touchline_documents::document::{DocumentAt, Fields, FrameStatus};
 use touchline_documents::exchange::PicturePoints;
 
 /// The columns of the grid.
@@ -25,7 +25,7 @@ const COLUMNS: u32 = 16;
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundComparison {
     /// The frames of which both documents have a camera and that have a point, in the truth's
-    /// order.
+    /// order. Rejected frames of the truth are left out.
     pub frames: Vec<FrameOnGround>,
     /// Whether the points were given; else they are those of a grid over the visible field.
     pub is_given: bool,
@@ -98,7 +98,8 @@ struct Comparison<'a> {
 
 impl Comparison<'_> {
     /// The distances of a frame of the truth and its partner, and at how many of the given points
-    /// the true camera sees no ground; none where one has no camera or the pictures differ in size.
+    /// the true camera sees no ground; none where one has no camera, the truth rejects the frame or
+    /// the pictures differ in size.
     fn frame(&self, index: usize, partner: usize) -> Option<(FrameOnGround, usize)> {
         let frame = self.truth.frames.get(index)?;
         let other = self.estimate.frames.get(partner)?;
@@ -108,7 +109,7 @@ impl Comparison<'_> {
             field: self.fields.for_frame(&self.truth, frame),
             size: frame.image_size,
         };
-        if frame.image_size != other.image_size {
+        if frame.status == FrameStatus::Rejected || frame.image_size != other.image_size {
             return None;
         }
         let points = self.points.map_or_else(
@@ -205,18 +206,20 @@ impl GroundComparison {
     /// The error in one line, for people.
     #[must_use]
     pub fn to_text(&self) -> String {
-        let points = if self.is_given {
-            "given points"
+        let (point, of_grid) = if self.is_given {
+            ("given point", "")
         } else {
-            "points of a grid over the visible field"
+            ("point", " of a grid over the visible field")
         };
         let Some(error) = self.error() else {
-            return format!("On the ground: no {points} in frames of which both have a camera.\n");
+            return format!(
+                "On the ground: no {point}s{of_grid} in frames of which both have a camera.\n"
+            );
         };
         let mut text = format!(
-            "On the ground, at {} {points} in {} frames: median {:.3} m, 95 % within {:.3} m.",
-            error.count,
-            self.frames.len(),
+            "On the ground, at {}{of_grid} in {}: median {:.3} m, 95 % within {:.3} m.",
+            pluralise(error.count, point),
+            pluralise(self.frames.len(), "frame"),
             error.median_m,
             error.p95_m
         );
@@ -315,12 +318,22 @@ mod tests {
     }
 
     #[test]
-    fn frames_without_a_camera_or_points_are_left_out() {
+    fn rejected_frames_and_those_without_a_camera_or_points_are_left_out() {
         let mut estimate = from_above(0.5, 1000.0);
+        let mut truth = from_above(0.0, 1000.0);
+        truth.frames[1].status = FrameStatus::Rejected;
+        let at = Path::new("/match");
+        let compared = compare_on_ground(truth.at(at), estimate.at(at), None).unwrap();
+        assert_eq!(compared.frames.len(), 1, "one is rejected");
         estimate.frames[0].ptz = None;
         assert_eq!(compare(&estimate, None).frames.len(), 1);
         let compared = compare(&estimate, Some("frame,x,y\n0,640,360\n"));
         assert_eq!((compared.frames.len(), compared.error()), (0, None));
+        let one = compare(&estimate, Some("frame,x,y\n1,640,360\n")).to_text();
+        assert!(
+            one.starts_with("On the ground, at 1 given point in 1 frame:"),
+            "{one}"
+        );
         assert!(compared.to_json()["all"].is_null());
     }
 }

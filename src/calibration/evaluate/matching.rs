@@ -8,13 +8,23 @@ use touchline_documents::document::{DocumentAt, Frame, resolve_path};
 ///
 /// Frames are identified by the location of their image or video, else by the image's SHA-256, else
 /// by the path as the document writes it (for a project that was moved), else by the file's name
-/// alone. The first identity that is unique in both documents decides; a frame is matched only
-/// once. Frames with different SHA-256 never match, because names recur from match to match.
+/// alone. A frame that has both an image and a video is identified by its image, and by its video
+/// where the other document has that alone. The first identity that is unique in both documents
+/// decides; a frame is matched only once. Frames with different SHA-256 never match, because names
+/// recur from match to match.
 pub(super) fn match_frames(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
     let mut partners = vec![None; wanted.frames.len()];
     // A frame that a stronger identity has matched takes no part in the weaker ones.
     let mut given = vec![false; offered.frames.len()];
-    for identity in [by_place, by_digest, by_path, by_name] {
+    let identities = [
+        by_place,
+        by_video,
+        by_digest,
+        by_path,
+        by_name,
+        by_video_name,
+    ];
+    for identity in identities {
         let open = index_by(identity, offered, |index| !given[index]);
         let by_key = index_by(identity, wanted, |index| partners[index].is_none());
         // Match keys with exactly one frame on either side. Ambiguous ones are left to the next
@@ -59,19 +69,18 @@ fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
 
 /// The absolute location of the image, or of the video with the frame's number.
 fn by_place(frame: &Frame, folder: &Path) -> Option<String> {
-    match (&frame.image, &frame.video) {
-        (Some(image), _) => Some(
-            resolve_path(&folder.join(image))
-                .to_string_lossy()
-                .into_owned(),
-        ),
-        (None, Some(video)) => Some(format!(
-            "{}#{}",
-            resolve_path(&folder.join(&video.path)).to_string_lossy(),
-            video.frame_index
-        )),
-        (None, None) => None,
-    }
+    let Some(image) = &frame.image else {
+        return by_video(frame, folder);
+    };
+    let path = resolve_path(&folder.join(image));
+    Some(path.to_string_lossy().into_owned())
+}
+
+/// The absolute location of the video with the frame's number.
+fn by_video(frame: &Frame, folder: &Path) -> Option<String> {
+    let video = frame.video.as_ref()?;
+    let path = resolve_path(&folder.join(&video.path));
+    Some(format!("{}#{}", path.to_string_lossy(), video.frame_index))
 }
 
 /// The image's SHA-256 in small letters, if stated: programs write its digits in either case.
@@ -85,12 +94,17 @@ fn by_path(frame: &Frame, _: &Path) -> Option<String> {
 }
 
 /// The file's name without its folder, with the frame's number for a video.
-fn by_name(frame: &Frame, _: &Path) -> Option<String> {
-    match (&frame.image, &frame.video) {
-        (Some(image), _) => file_name(image),
-        (None, Some(video)) => Some(format!("{}#{}", file_name(&video.path)?, video.frame_index)),
-        (None, None) => None,
+fn by_name(frame: &Frame, folder: &Path) -> Option<String> {
+    match &frame.image {
+        Some(image) => file_name(image),
+        None => by_video_name(frame, folder),
     }
+}
+
+/// The name of the video's file with the frame's number.
+fn by_video_name(frame: &Frame, _: &Path) -> Option<String> {
+    let video = frame.video.as_ref()?;
+    Some(format!("{}#{}", file_name(&video.path)?, video.frame_index))
 }
 
 fn file_name(path: &str) -> Option<String> {
@@ -175,5 +189,18 @@ mod tests {
             match_frames(one.at(Path::new("/no/a")), other.at(Path::new("/no/b"))),
             [None, Some(0)]
         );
+        // One document has the frames as images, too.
+        for frame in &mut one.frames {
+            frame.image = frame
+                .video
+                .as_ref()
+                .map(|video| format!("{}.jpg", video.frame_index));
+        }
+        for folder in ["/no/a", "/no/b"] {
+            assert_eq!(
+                match_frames(one.at(Path::new("/no/a")), other.at(Path::new(folder))),
+                [None, Some(0)]
+            );
+        }
     }
 }

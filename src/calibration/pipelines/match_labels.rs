@@ -189,7 +189,7 @@ pub struct LabelledMatch {
     pub cameras: Vec<Arc<AutocalibratedCamera>>,
     /// Number of frames that were not sampled and have a camera now.
     pub answered: usize,
-    /// Number of frames without a camera.
+    /// Number of frames without a camera; rejected ones do not count.
     pub unanswered: usize,
 }
 
@@ -259,10 +259,14 @@ pub fn label_match(
     }))
 }
 
-/// The indices of a document's frames that have no camera.
+/// The indices of a document's frames that have no camera, without rejected ones: a person decided
+/// that these get none.
 fn frames_without_camera(document: &Document) -> Vec<usize> {
     (0..document.frames.len())
-        .filter(|&index| document.frames[index].ptz.is_none())
+        .filter(|&index| {
+            let frame = &document.frames[index];
+            frame.ptz.is_none() && frame.status != FrameStatus::Rejected
+        })
         .collect()
 }
 
@@ -475,5 +479,26 @@ impl Labelling<'_> {
             &progress,
         )?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FieldSpec, Frame, FramePtz};
+
+    #[test]
+    fn a_rejected_frame_wants_no_camera() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for number in 0..3 {
+            let name = format!("{number}.jpg");
+            let frame = Frame::from_image(&name, "main".into(), ImageSize::new(64, 36));
+            document.frames.push(frame.into());
+        }
+        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 90.0), None));
+        document.frames[1].status = FrameStatus::Rejected;
+        assert_eq!(frames_without_camera(&document), [2]);
     }
 }

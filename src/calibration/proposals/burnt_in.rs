@@ -28,20 +28,28 @@ pub struct FoundMask {
 }
 
 impl FoundMask {
-    /// A mask for a graphic of a camera that was found in `frames`. Its range reaches to the frames
-    /// of the video just inside the two of `between`, which do not show it; it is open where there
-    /// is none.
+    /// A mask for a graphic of a camera that was found in `frames`, the first and the last. Its
+    /// range reaches to the frames of the video just inside those before and after that do not show
+    /// it; it is open where there is none, or where that is of another video.
     pub(super) fn new(
+        document: &Document,
         camera: &Camera,
         pixel_box: PixelBox,
-        [before, after]: [Option<u64>; 2],
+        without: [Option<usize>; 2],
         frames: [usize; 2],
         features: usize,
     ) -> Self {
+        let [first, last] = frames;
+        let [before, after] = without.map(|frame| {
+            // The numbers of two videos give no range for what is shown in both.
+            frame.filter(|_| range_in_video(document, frames).is_some())
+        });
+        let before = before.and_then(|before| range_in_video(document, [before, first]));
+        let after = after.and_then(|after| range_in_video(document, [last, after]));
         let mask = RangedMask {
             pixel_box,
-            from: before.map(|before| before + 1),
-            to: after.map(|after| after.saturating_sub(1)),
+            from: before.map(|[before, first]| before.saturating_add(1).min(first)),
+            to: after.map(|[last, after]| after.saturating_sub(1).max(last)),
             source: MaskSource::Found,
             extra: Extra::new(),
         };
@@ -74,6 +82,14 @@ impl FoundMask {
             self.camera, area.width, area.height, area.x, area.y, self.features
         )
     }
+}
+
+/// The numbers of two frames in their video. None for images, for frames of different videos, and
+/// where the first comes later in the video.
+fn range_in_video(document: &Document, frames: [usize; 2]) -> Option<[u64; 2]> {
+    let [first, last] = frames.map(|index| &document.frames[index]);
+    let range = [first.video_frame_index()?, last.video_frame_index()?];
+    (first.video_path() == last.video_path() && range[0] <= range[1]).then_some(range)
 }
 
 /// Finds graphics that are burnt into the pictures of training samples, camera by camera, and
@@ -111,7 +127,8 @@ pub(super) fn leave_out_burnt_in(
             // `burnt_in` counts the pictures of this camera; `frames` has their indices in the
             // document.
             let ends = [graphic.first, graphic.last].map(|picture| frames[picture]);
-            let [from, to] = ends.map(|index| document.frames[index].video_frame_index());
+            let range = range_in_video(document, ends);
+            let [from, to] = [0, 1].map(|end| range.map(|range| range[end]));
             let mask = RangedMask {
                 pixel_box: graphic.pixel_box,
                 from: from.filter(|_| !is_open_before),
@@ -192,4 +209,41 @@ pub(super) fn with_found_masks(mut document: Document, found: &[FoundMask]) -> D
         found.mask_in(&mut document);
     }
     document
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FieldSpec, Frame, VideoFrame};
+
+    #[test]
+    fn a_range_ends_at_frames_of_the_same_video_alone() {
+        let size = ImageSize::new(64, 36);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for (path, number) in [("a.mp4", 5), ("a.mp4", 9), ("b.mp4", 2), ("b.mp4", 7)] {
+            let video = VideoFrame::new(path, number, None);
+            let frame = Frame::from_video(video, "main".into(), size);
+            document.frames.push(frame.into());
+        }
+        let camera = Camera::new("main".into(), size);
+        let pixel_box = PixelBox {
+            x: 1.0,
+            y: 1.0,
+            width: 9.0,
+            height: 9.0,
+        };
+        for (without, frames, range) in [
+            ([Some(0), None], [1, 1], (Some(6), None)),
+            ([None, Some(3)], [2, 2], (None, Some(6))),
+            // Before it comes another video, or a later frame of the same one.
+            ([Some(1), None], [2, 3], (None, None)),
+            ([Some(1), None], [0, 0], (None, None)),
+            // It is shown in two videos.
+            ([Some(0), Some(3)], [1, 2], (None, None)),
+        ] {
+            let mask = FoundMask::new(&document, &camera, pixel_box, without, frames, 1).mask;
+            assert_eq!((mask.from, mask.to), range, "{without:?} {frames:?}");
+        }
+    }
 }

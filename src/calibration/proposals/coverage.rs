@@ -55,12 +55,8 @@ impl Coverage {
             frames.any(|frame| frame.camera == camera.id)
         });
         let coverages = used.filter_map(|camera| {
-            let field = camera
-                .field
-                .as_ref()
-                .unwrap_or(&document.field)
-                .model(document.folder)
-                .ok()?;
+            let spec = document.field_of_camera(&camera.id);
+            let field = spec.model(document.folder).ok()?;
             Self::measure(&document, &field, &camera.id, training_frames)
         });
         coverages.collect()

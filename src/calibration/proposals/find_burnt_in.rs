@@ -110,7 +110,7 @@ fn by_edges(
         // The range of frames that show the graphic ends somewhere between its last sampled picture
         // and the next one; bisect between the two. Images have no frame numbers, so their range
         // stays open.
-        let mut bound = |shown: usize, other: Option<&SampledPicture>| -> Option<Option<u64>> {
+        let mut bound = |shown: usize, other: Option<&SampledPicture>| -> Option<Option<usize>> {
             let is_of_video = document.frames[shown].video.is_some();
             let Some(other) = other.filter(|_| is_of_video) else {
                 return Some(None);
@@ -123,7 +123,7 @@ fn by_edges(
                 [shown, other.frame],
                 progress,
             )?;
-            Some(document.frames[without].video_frame_index())
+            Some(Some(without))
         };
         let before = bound(
             first,
@@ -134,6 +134,7 @@ fn by_edges(
         )?;
         let after = bound(last, seen.get(graphic.last + 1))?;
         found.push(FoundMask::new(
+            document,
             camera,
             graphic.pixel_box,
             [before, after],
@@ -216,14 +217,10 @@ fn mask_of_graphic(
     sampled: &[usize],
     graphic: &BurntInGraphic,
 ) -> FoundMask {
-    let before = graphic
-        .first
-        .checked_sub(1)
-        .and_then(|before| document.frames[sampled[before]].video_frame_index());
-    let after = sampled
-        .get(graphic.last + 1)
-        .and_then(|after| document.frames[*after].video_frame_index());
+    let before = graphic.first.checked_sub(1).map(|before| sampled[before]);
+    let after = sampled.get(graphic.last + 1).copied();
     FoundMask::new(
+        document,
         camera,
         graphic.pixel_box,
         [before, after],

@@ -60,19 +60,29 @@ impl LabelNeeds {
         // Remove the old state of each changed frame and add the new one; then recompute all frames
         // that depend on it.
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
-        let mut concerned = BTreeSet::new();
+        let (mut concerned, mut moved) = (BTreeSet::new(), Vec::new());
         for index in changed {
             let [gone, come] = [&before[index], &document.frames[index]];
             self.remove(index, gone);
             self.add(index, come);
             concerned.insert(index);
-            // A solved frame determines the directions of the unsolved ones between its solved
-            // neighbours, so these change with it.
             if shot_of(gone) != shot_of(come)
                 || HorizontalView::from_frame(gone) != HorizontalView::from_frame(come)
             {
-                concerned.extend(self.dependent_frames(gone, index));
-                concerned.extend(self.dependent_frames(come, index));
+                moved.push(index);
+            }
+        }
+        // A solved frame determines the directions of the unsolved ones between its solved
+        // neighbours, so these change with it. Each gap is visited once, however many of its
+        // frames have changed.
+        let mut gaps = BTreeSet::new();
+        for index in moved {
+            let frames = [&before[index], &document.frames[index]];
+            gaps.extend(frames.map(|frame| self.gap_around(shot_of(frame), index)));
+        }
+        for (shot, from, to) in gaps {
+            if let Some(shot) = self.shots.get(&shot) {
+                concerned.extend(shot.unanswered.range(from..to));
             }
         }
         for index in concerned {
@@ -150,24 +160,15 @@ impl LabelNeeds {
         }
     }
 
-    /// The unanswered frames with directions that depend on this frame: those between its solved
-    /// neighbours.
-    fn dependent_frames(&self, frame: &Frame, index: usize) -> Vec<usize> {
-        let Some(shot) = self.shots.get(&shot_of(frame)) else {
-            return Vec::new();
-        };
-        // From the solved neighbour before to the one after.
-        let from = shot
-            .looks
-            .range(..index)
-            .next_back()
-            .map_or(0, |(before, _)| *before);
-        let to = shot
-            .looks
-            .range(index + 1..)
-            .next()
-            .map_or(usize::MAX, |(after, _)| *after);
-        shot.unanswered.range(from..to).copied().collect()
+    /// The gap of a shot around a frame, from its solved neighbour before to the one after: the
+    /// directions of the unanswered frames in it depend on this frame.
+    fn gap_around(&self, shot: ShotKey, index: usize) -> (ShotKey, usize, usize) {
+        let looks = self.shots.get(&shot).map(|shot| &shot.looks);
+        let before = looks.and_then(|looks| looks.range(..index).next_back());
+        let after = looks.and_then(|looks| looks.range(index + 1..).next());
+        let from = before.map_or(0, |(before, _)| *before);
+        let to = after.map_or(usize::MAX, |(after, _)| *after);
+        (shot, from, to)
     }
 
     /// Recomputes whether a frame needs a label, and its direction.
@@ -323,13 +324,15 @@ mod tests {
     fn brought_up_to_date_they_are_what_they_are_anew() {
         let mut document = document();
         let mut needs = LabelNeeds::from_document(&document);
-        let changes: [fn(&mut Document); 9] = [
+        let changes: [fn(&mut Document); 11] = [
             |document| solve(&mut document.frames[9], 12.0),
             |document| solve(&mut document.frames[9], 13.0),
             |document| document.frames[4].status = FrameStatus::Rejected,
             |document| document.frames[4].clip = Some(Clip::Number(1)),
             |document| solve(&mut document.frames[4], 2.0),
             |document| ask_in_vain(&mut document.frames[16]),
+            |document| (5..9).for_each(|index| solve(&mut document.frames[index], index as f64)),
+            |document| (3..11).for_each(|index| ask_in_vain(&mut document.frames[index])),
             |document| document.frames[20].camera = "other".into(),
             |document| {
                 solve(&mut document.frames[6], 3.0);

@@ -69,9 +69,14 @@ impl BaseSigma {
     /// whose crown is among them.
     #[must_use]
     pub fn from_covariance(covariance: &SharedCovariance, crown_width_m: f64) -> Self {
-        let deviation = covariance
-            .diagonal()
-            .map(|variance| variance.max(0.0).sqrt());
+        // `max` alone would make a variance that is not a number zero, which means exactly known.
+        let deviation = covariance.diagonal().map(|variance| {
+            if variance.is_nan() {
+                f64::INFINITY
+            } else {
+                variance.max(0.0).sqrt()
+            }
+        });
         let below_diagonal = below_diagonal(|row, column| {
             correlation(covariance[(row, column)], deviation[row], deviation[column])
         });
@@ -570,6 +575,8 @@ mod tests {
             (f64::INFINITY, BaseCorrelation::NONE)
         );
         assert_eq!(BaseSigma::default().root().amax(), 0.0);
+        let not_a_number = BaseSigma::from_covariance(&SharedCovariance::repeat(f64::NAN), WIDTH_M);
+        assert_eq!(not_a_number, sigma);
     }
 
     #[test]

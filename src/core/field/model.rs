@@ -1,6 +1,6 @@
 //! A field of one venue: a template with its parameters filled in.
 
-use crate::geometry::{Angle, Vec3};
+use crate::geometry::{Angle, Vec3, distance_from_segment};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -220,10 +220,7 @@ impl Curve {
     #[must_use]
     pub fn distance_m(&self, point: Vec3) -> f64 {
         match *self {
-            Self::Segment { from, to } => {
-                let t = (point - from).dot(&(to - from)) / (to - from).norm_squared();
-                (point - self.point_at(t.clamp(0.0, 1.0))).norm()
-            }
+            Self::Segment { from, to } => distance_from_segment(point, [from, to]),
             Self::Arc {
                 centre,
                 radius_m,

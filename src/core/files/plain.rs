@@ -25,7 +25,7 @@ pub fn is_control(letter: char) -> bool {
             '\u{61c}'
                 | '\u{200b}'..='\u{200f}'
                 | '\u{2028}'..='\u{202e}'
-                | '\u{2066}'..='\u{2069}'
+                | '\u{2060}'..='\u{2069}'
                 | '\u{feff}'
         )
 }
@@ -37,7 +37,8 @@ mod tests {
     #[test]
     fn marks_that_change_the_direction_of_writing_are_escaped() {
         for mark in [
-            '\u{61c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202e}', '\u{2066}', '\u{2069}',
+            '\u{61c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202e}', '\u{2060}', '\u{2066}',
+            '\u{2069}',
         ] {
             let escaped = format!("a{}gpj.exe", mark.escape_default());
             assert_eq!(plain(&format!("a{mark}gpj.exe")), escaped);

@@ -89,10 +89,14 @@ pub fn refuse_part_of_project(path: &Path) -> Result<(), NotReplaced> {
 /// missing folder is not an error.
 ///
 /// # Errors
-/// The folder contains such a file, which is named; or the path is a file, or cannot be read.
+/// The folder contains such a file, which is named; or the path is a file, or a link that leads
+/// nowhere, or cannot be read.
 pub fn refuse_other_files(folder: &Path, is_replaced: IsReplaced) -> Result<(), NotReplaced> {
-    let Ok(metadata) = fs::metadata(folder) else {
-        return Ok(());
+    let metadata = match fs::metadata(folder) {
+        Ok(metadata) => metadata,
+        // A link that leads nowhere would move aside for the new folder.
+        Err(source) if folder.is_symlink() => return Err(io_error(folder, source)),
+        Err(_) => return Ok(()),
     };
     if !metadata.is_dir() {
         return Err(NotReplaced::File {
@@ -129,12 +133,6 @@ pub fn replace_folder(
 /// Renames a folder to `path`, moves the files of the old one that are not replaced into it and
 /// deletes the old one.
 fn put_in_place(new: TempDir, path: &Path, is_replaced: IsReplaced) -> io::Result<()> {
-    // Temporary folders are for their owner alone; a result is readable like any other folder.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        fs::set_permissions(new.path(), fs::Permissions::from_mode(0o755))?;
-    }
     if fs::symlink_metadata(path).is_err() {
         fs::rename(new.path(), path)?;
         // The folder is no temporary one any more: without this, it would be deleted here.
@@ -386,6 +384,27 @@ mod tests {
             refused.map(is_refused),
             [true, true, false, false, false, false]
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_result_has_the_permissions_of_a_new_folder_and_replaces_no_broken_link() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let (place, new) = place(&["a.txt"]);
+        let out = place.path().join("out");
+        fs::set_permissions(new.path(), fs::Permissions::from_mode(0o750)).unwrap();
+        replace_folder(new, &out, &is_a).unwrap();
+        assert_eq!(
+            fs::metadata(&out).unwrap().permissions().mode() & 0o777,
+            0o750
+        );
+
+        let link = place.path().join("link");
+        std::os::unix::fs::symlink(place.path().join("nowhere"), &link).unwrap();
+        let new = temporary_folder_in(place.path()).unwrap();
+        let refusal = replace_folder(new, &link, &is_a).unwrap_err().to_string();
+        assert!(refusal.starts_with("cannot write "), "{refusal}");
+        assert!(link.is_symlink());
     }
 
     #[cfg(unix)]

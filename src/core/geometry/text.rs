@@ -36,13 +36,21 @@ pub fn decimal(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Text as XML has it in an element or an attribute.
+/// Text as XML has it in an element or an attribute. Characters that no XML file may contain
+/// become U+FFFD.
 #[must_use]
 pub fn xml_text(text: &str) -> String {
-    text.replace('&', "&amp;")
+    text.replace(is_no_xml, "\u{fffd}")
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
+}
+
+/// Whether a character is none of XML 1.0, not even escaped.
+fn is_no_xml(letter: char) -> bool {
+    (letter < ' ' && !matches!(letter, '\t' | '\n' | '\r'))
+        || matches!(letter, '\u{fffe}' | '\u{ffff}')
 }
 
 /// Bytes in lower-case hexadecimal digits, two each.
@@ -90,6 +98,14 @@ mod tests {
     fn decimals_end_at_the_last_digit_that_says_something() {
         let texts = [0.25, 12.0, 10.04, -0.001].map(|value| decimal(value, 2));
         assert_eq!(texts, ["0.25", "12", "10.04", "0"]);
+    }
+
+    #[test]
+    fn xml_has_no_control_characters() {
+        assert_eq!(
+            xml_text("a\u{1b}[2J & <b>\t\""),
+            "a\u{fffd}[2J &amp; &lt;b&gt;\t&quot;"
+        );
     }
 
     #[test]

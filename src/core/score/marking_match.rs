@@ -207,9 +207,10 @@ impl NamedMatch {
         let scale = JACCARD_WIDTH_PX / f64::from(size.width);
         let mut found = Self::default();
         let mut named = vec![false; seen.len()];
+        // A marking without points would be found wherever the estimate shows it.
         for marking in annotated
             .iter()
-            .filter(|marking| counts(field, marking.line))
+            .filter(|marking| counts(field, marking.line) && !marking.points.is_empty())
         {
             // On a field without that symmetry the marking has no other name, so it cannot be
             // found.
@@ -382,6 +383,21 @@ mod tests {
                 .iter()
                 .any(|marking| field.lines[marking.line].id.as_str() == "centre_circle")
         );
+    }
+
+    #[test]
+    fn a_marking_without_points_is_not_annotated() {
+        let (field, camera) = (soccer(), broadcast(0.0, -12.0, 2000.0));
+        let mut annotated = annotated_lines(&field, &camera, SIZE);
+        let last = annotated.pop().unwrap();
+        let without = MarkingMatch::compare(&field, &annotated, view(&field, &camera), SIZE);
+        annotated.push(AnnotatedLine {
+            points: Vec::new(),
+            ..last
+        });
+        let with = MarkingMatch::compare(&field, &annotated, view(&field, &camera), SIZE);
+        assert_eq!(with, without);
+        assert!(with.jaccard(5.0) < 1.0);
     }
 
     #[test]

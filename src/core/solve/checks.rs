@@ -4,8 +4,7 @@ use super::context::SAME_FIT;
 use super::covariance::{OverlayPoint, corners};
 use super::observation::landmark_observations;
 use super::{
-    ClickResidual, CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning,
-    WarningCode,
+    CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning, WarningCode,
 };
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec2, thousands};
@@ -64,9 +63,22 @@ fn failed_checks(solution: &FrameSolution) -> impl Iterator<Item = Warning> {
     })
 }
 
-/// The click that the others contradict most, or the one or two clicks that the prior or the base
-/// contradicts.
+/// A click that the camera cannot see, or the click that the others contradict most, or the one or
+/// two clicks that the prior or the base contradicts.
 fn contradiction(solution: &FrameSolution) -> Option<Warning> {
+    let unseen = solution
+        .residuals
+        .iter()
+        .rfind(|residual| residual.offset_px.is_none());
+    if let Some(unseen) = unseen {
+        let number = unseen.click + 1;
+        return Some(Warning {
+            code: WarningCode::Contradiction,
+            message: format!("Point {number} shows something behind the camera. Check its name."),
+            clicks: vec![unseen.click],
+        });
+    }
+
     // An uncertain base makes larger residuals normal: scale σ by the expected χ² per surplus
     // equation.
     let usual = (solution.expected_chi_squared / solution.redundancy.max(1) as f64)
@@ -101,31 +113,25 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
     }
 
     // Otherwise the click with the largest residual in its own σ is the suspect.
-    let (sigmas, worst) = solution
+    let (sigmas, distance, worst) = solution
         .residuals
         .iter()
-        .map(|residual| (residual_in_sigmas(residual, usual), residual))
+        .filter_map(|residual| {
+            let distance = residual.distance_px()?;
+            Some((
+                distance / (residual.sigma_px * usual),
+                distance,
+                residual.click,
+            ))
+        })
         .max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let number = worst.click + 1;
-    let message = match worst.distance_px() {
-        None => format!("Point {number} shows something behind the camera. Check its name."),
-        Some(distance) if sigmas > MAX_CLICK_SIGMAS => format!(
+    let number = worst + 1;
+    (sigmas > MAX_CLICK_SIGMAS).then(|| Warning {
+        code: WarningCode::Contradiction,
+        message: format!(
             "Point {number} is {distance:.1} px off, {sigmas:.0} times what is usual. Check its name and place."
         ),
-        Some(_) => return None,
-    };
-    Some(Warning {
-        code: WarningCode::Contradiction,
-        message,
-        clicks: vec![worst.click],
-    })
-}
-
-/// A click's residual in multiples of its own σ, scaled by `usual`; infinite where its landmark or
-/// line has no image.
-fn residual_in_sigmas(residual: &ClickResidual, usual: f64) -> f64 {
-    residual.distance_px().map_or(f64::INFINITY, |distance| {
-        distance / (residual.sigma_px * usual)
+        clicks: vec![worst],
     })
 }
 
@@ -406,6 +412,22 @@ mod tests {
         solve_frame(camera.base(), &observations, &SolveContext::new(SIZE)).unwrap()
     }
 
+    /// The solution from a single click, with a prior that knows the camera nearly exactly.
+    fn solved_near(camera: &PtzCamera, click: Observation) -> FrameSolution {
+        let prior = PtzPrior {
+            ptz: camera.ptz(),
+            sigma_pan: Angle::from_degrees(0.01),
+            sigma_tilt: Angle::from_degrees(0.01),
+            sigma_focal_share: 1e-3,
+            by_base: SMatrix::zeros(),
+        };
+        let context = SolveContext {
+            prior: Some(prior),
+            ..SolveContext::new(SIZE)
+        };
+        solve_frame(camera.base(), &[click], &context).unwrap()
+    }
+
     fn only_warning(solution: &FrameSolution) -> &Warning {
         assert_eq!(solution.warnings.len(), 1, "{:?}", solution.warnings);
         &solution.warnings[0]
@@ -478,22 +500,11 @@ mod tests {
     #[test]
     fn a_single_point_contradicts_the_prior() {
         let camera = camera(0.0);
-        let prior = PtzPrior {
-            ptz: camera.ptz(),
-            sigma_pan: Angle::from_degrees(0.01),
-            sigma_tilt: Angle::from_degrees(0.01),
-            sigma_focal_share: 1e-3,
-            by_base: SMatrix::zeros(),
-        };
         let at = camera
             .plane_from_image(ImagePoint::new(900.0, 600.0), 0.0)
             .unwrap();
         let click = Observation::from_point(at, ImagePoint::new(1000.0, 600.0), 2.0, 0);
-        let context = SolveContext {
-            prior: Some(prior),
-            ..SolveContext::new(SIZE)
-        };
-        let solution = solve_frame(camera.base(), &[click], &context).unwrap();
+        let solution = solved_near(&camera, click);
         let warning = &solution.warnings[0];
         assert!(
             warning
@@ -502,6 +513,20 @@ mod tests {
             "{warning}"
         );
         assert_eq!(warning.clicks, [0]);
+    }
+
+    #[test]
+    fn a_point_that_the_camera_cannot_see_is_named_even_if_the_prior_explains_all() {
+        let camera = camera(0.0);
+        let behind = Vec3::new(0.0, -150.0, 0.0);
+        let click = Observation::from_point(behind, ImagePoint::new(900.0, 600.0), 2.0, 4);
+        let solution = solved_near(&camera, click);
+        let warning = &solution.warnings[0];
+        assert_eq!(
+            warning.message,
+            "Point 5 shows something behind the camera. Check its name."
+        );
+        assert_eq!(warning.clicks, [4]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Why a frame cannot be solved, with the numbers.
 
+use crate::geometry::pluralise;
 use thiserror::Error;
 
 /// Why a click is not an observation of this field.
@@ -31,8 +32,9 @@ pub enum ObservationError {
 pub enum SolveError {
     /// Too few equations for pan, tilt and focal length, wherever the clicks are.
     #[error(
-        "{equations} equations for 3 unknowns: a landmark gives two, a point on a line one; click {}",
-        if *.equations == 2 { "one more" } else { "two landmarks" }
+        "{} for 3 unknowns: a landmark gives two, a point on a line one; click {}",
+        pluralise(*.equations, "equation"),
+        ["two landmarks", "a landmark"].get(*.equations).unwrap_or(&"one more")
     )]
     TooFewObservations {
         /// Equations that the clicks give.

@@ -204,12 +204,36 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
         self.losses.total()
     }
 
+    /// The inverse of the equations of the block's own parameters; none where its residuals leave
+    /// a combination of these open.
+    pub(super) fn own_inverse(&self) -> Option<SMatrix<f64, OWN, OWN>> {
+        /// A parameter is open if the parameters before it leave less than this share of its
+        /// information.
+        const OPEN: f64 = 1e-12;
+        // Rounding makes the matrix of too few residuals regular, and its inverse noise. Scaled to
+        // a unit diagonal, the squared pivots of the Cholesky factor are those shares.
+        let scale = SVector::<f64, OWN>::from_fn(|i, _| self.own[(i, i)].sqrt().recip());
+        let scaled = SMatrix::<f64, OWN, OWN>::from_fn(|row, column| {
+            self.own[(row, column)] * scale[row] * scale[column]
+        });
+        let factor = scaled.cholesky()?;
+        if (0..OWN).any(|i| factor.l_dirty()[(i, i)].powi(2) < OPEN) {
+            return None;
+        }
+        self.own.try_inverse()
+    }
+
+    /// Whether none of its residuals has a value: it says nothing, and its parameters stay.
+    fn is_empty(&self) -> bool {
+        self.own.iter().all(|entry| *entry == 0.0)
+    }
+
     /// The Schur complement: the equations of the shared parameters after elimination of the
     /// block's own. None where the residuals do not determine the own parameters.
     #[must_use]
     pub fn eliminate_own(&self) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
         // S − C O⁻¹ Cᵀ and g_s − C O⁻¹ g_o.
-        let gain = self.cross * self.own.try_inverse()?;
+        let gain = self.cross * self.own_inverse()?;
         Some((
             self.shared - gain * self.cross.transpose(),
             self.shared_gradient - gain * self.own_gradient,
@@ -223,6 +247,9 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
         damping: f64,
         shared_step: &SVector<f64, SHARED>,
     ) -> Option<SVector<f64, OWN>> {
+        if self.is_empty() {
+            return Some(SVector::zeros());
+        }
         // From the block's rows of the system: O x + Cᵀ s = −g_o, with the same damping of O as in
         // the elimination.
         let right = self.own_gradient + self.cross.transpose() * shared_step;
@@ -268,8 +295,8 @@ pub(crate) struct BorderedStep<const SHARED: usize, const OWN: usize> {
 impl<const SHARED: usize, const OWN: usize> BorderedEquations<SHARED, OWN> {
     /// The equations of the shared parameters after elimination of all blocks' own (Schur
     /// complement of the damped system). Rows and columns of parameters that are not free are those
-    /// of the identity, so that their step is zero. None where a block's residuals do not determine
-    /// its own parameters.
+    /// of the identity, so that their step is zero. Blocks without a value are left out. None where
+    /// another block's residuals do not determine its own parameters.
     pub fn eliminate_blocks(
         &self,
         damping: f64,
@@ -283,7 +310,7 @@ impl<const SHARED: usize, const OWN: usize> BorderedEquations<SHARED, OWN> {
         // Damp before the elimination: damping the Schur complement instead would not be the damped
         // step of the whole system.
         matrix = add_damping(&matrix, damping);
-        for block in &self.blocks {
+        for block in self.blocks.iter().filter(|block| !block.is_empty()) {
             let gain = block.cross * add_damping(&block.own, damping).try_inverse()?;
             matrix -= gain * block.cross.transpose();
             gradient -= gain * block.own_gradient;
@@ -341,7 +368,7 @@ fn add_damping<const N: usize>(matrix: &SMatrix<f64, N, N>, damping: f64) -> SMa
 mod tests {
     use super::*;
     use crate::field::FieldElement;
-    use nalgebra::{Matrix1, Matrix1x2, Vector1};
+    use nalgebra::{Matrix1, Matrix1x2, Matrix2x3, Vector1};
 
     /// A height over a plane: shared are its two slopes, each block has an offset of its own.
     struct Height {
@@ -486,6 +513,37 @@ mod tests {
         assert!((step.shared - whole.fixed_rows::<2>(0)).norm() < 1e-12);
         for (index, own) in step.own.iter().enumerate() {
             assert!((own[0] - whole[2 + index]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_block_without_a_value_stays_and_stops_no_other() {
+        let mut problem = planes(0.0);
+        problem.0.push(vec![Height {
+            x: -1.0,
+            y: 0.0,
+            z: 0.0,
+        }]);
+        let found = minimise(&problem, (SVector::zeros(), vec![0.0, 0.0, 0.0, 7.0]), FAR);
+        let (slopes, offsets) = found.state;
+        assert!(
+            (slopes - SVector::<f64, 2>::new(0.7, -0.2)).norm() < 1e-6,
+            "{slopes}"
+        );
+        assert_eq!(offsets[3], 7.0);
+    }
+
+    #[test]
+    fn one_point_does_not_determine_three_parameters_and_two_do() {
+        let by_point = |x: f64, y: f64| Matrix2x3::new(-2000.0, 0.1 * y, x, -0.1 * x, 2100.0, y);
+        for step in 0..40 {
+            let (x, y) = (17.3 * f64::from(step) - 340.7, 9.1 * f64::from(step) + 0.3);
+            let [one, two] = [by_point(x, y), by_point(x + 50.0, y)];
+            let mut block = BlockEquations::<0, 3>::zero();
+            block.own = one.transpose() * one * 0.25;
+            assert_eq!(block.own_inverse(), None, "{x} {y}");
+            block.own += two.transpose() * two * 0.25;
+            assert!(block.own_inverse().is_some(), "{x} {y}");
         }
     }
 

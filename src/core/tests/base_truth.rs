@@ -13,8 +13,8 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, BaseProgress, BesideFrames,
-    CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
+    AdjustOptions, AdjustedBase, BaseError, BaseEstimate, BaseModel, BaseOptions, BaseProgress,
+    BesideFrames, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
     estimate_base_on_paint,
 };
 
@@ -125,6 +125,22 @@ fn centred_base(
     )
 }
 
+/// The base of a camera without distortion on flat ground, adjusted from a start.
+fn adjusted_pinhole(
+    field: &FieldModel,
+    frames: &[FrameClicks],
+    start: &CameraBase,
+    ptz: &[Option<Ptz>],
+) -> AdjustedBase {
+    let pinhole = BaseModel {
+        lens: LensModel::Pinhole,
+        crown: CrownModel::Fixed(0.0),
+        principal_point: None,
+    };
+    let clicks = CameraClicks::with_centred_principal_point(field, frames, SIZE);
+    adjust_base(&clicks, start, ptz, &pinhole, &AdjustOptions::default())
+}
+
 #[test]
 fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
     let mut rng = seeded::rng("a_frame_in_which_nothing_was_seen_holds_nothing_back");
@@ -136,21 +152,7 @@ fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
         position_m: base.position_m + Vec3::new(0.5, -1.0, 0.4),
         ..base
     };
-    let pinhole = BaseModel {
-        lens: LensModel::Pinhole,
-        crown: CrownModel::Fixed(0.0),
-        principal_point: None,
-    };
-    let adjusted = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
-        adjust_base(
-            &CameraClicks::with_centred_principal_point(&field, frames, SIZE),
-            &start,
-            ptz,
-            &pinhole,
-            &AdjustOptions::default(),
-        )
-    };
-    let without = adjusted(&frames, &ptz);
+    let without = adjusted_pinhole(&field, &frames, &start, &ptz);
     assert!(
         (without.base.position_m - base.position_m).norm() < 0.3,
         "{:?}",
@@ -164,9 +166,25 @@ fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
         },
     );
     ptz.insert(2, Some(Ptz::from_degrees(1.0, -12.0, 2000.0)));
-    let with = adjusted(&frames, &ptz);
+    let with = adjusted_pinhole(&field, &frames, &start, &ptz);
     assert_eq!(with.base, without.base);
     assert_eq!((with.ptz[2], with.ptz.iter().flatten().count()), (None, 6));
+}
+
+#[test]
+fn frames_of_one_click_make_no_base_more_certain() {
+    let mut rng = seeded::rng("frames_of_one_click_make_no_base_more_certain");
+    let field = field(0.0);
+    let base = true_base(FocalCurve::NONE);
+    let (mut frames, truth) = frames(&base, &field, 11, 8, 0.5, &mut rng);
+    let ptz: Vec<Option<Ptz>> = truth.into_iter().map(Some).collect();
+    let without = adjusted_pinhole(&field, &frames[..6], &base, &ptz[..6]).position_covariance;
+    for frame in &mut frames[6..] {
+        frame.observations.truncate(1);
+    }
+    let with = adjusted_pinhole(&field, &frames, &base, &ptz).position_covariance;
+    let off = (with - without).amax() / without.amax();
+    assert!(off < 0.1, "{with} {without}");
 }
 
 #[test]

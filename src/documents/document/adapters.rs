@@ -2,7 +2,7 @@
 //! matrices.
 //!
 //! Writing refuses NaN and infinity (JSON has neither, and a silent `null` would lose the value);
-//! reading refuses impossible sizes and focal lengths.
+//! reading refuses impossible sizes, and both refuse impossible focal lengths.
 
 #![allow(
     clippy::wildcard_imports,
@@ -118,18 +118,26 @@ pub(super) mod degrees {
     }
 }
 
-/// A length that must be positive.
+/// A length that must be positive, also when it is written: a file with another one could not be
+/// read again, nor could the edits behind it in a journal.
 pub(super) mod positive {
     use super::*;
 
-    pub use super::number::serialize;
+    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        let value = refuse_others(*value).map_err(S::Error::custom)?;
+        super::number::serialize(&value, serializer)
+    }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-        let value = f64::deserialize(deserializer)?;
-        if value > 0.0 {
-            Ok(value)
+        refuse_others(f64::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
+
+    fn refuse_others(value: f64) -> Result<f64, String> {
+        // NaN passes here: of numbers that JSON lacks, `number` says so.
+        if value <= 0.0 {
+            Err(format!("must be positive, not {value}"))
         } else {
-            Err(D::Error::custom(format!("must be positive, not {value}")))
+            Ok(value)
         }
     }
 }

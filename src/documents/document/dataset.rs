@@ -5,7 +5,7 @@ use touchline_core::solve::WarningCode;
 
 impl Document {
     /// The document as a dataset: without unnamed clicks (indices of clicks are updated), and with
-    /// a warning at every solved frame whose field's size is assumed.
+    /// a warning at every solved frame whose field's size is assumed, and at no other.
     #[must_use]
     pub fn into_dataset(mut self) -> Self {
         for frame in &mut self.frames {
@@ -22,14 +22,23 @@ impl Document {
         let code = WarningCode::FieldAssumed.as_str();
         for index in 0..self.frames.len() {
             // By index, because the message depends on the whole document while the frame changes.
-            // An earlier warning of this kind is replaced: exporting twice must not state it twice.
-            let message = self.field_of(&self.frames[index]).describe_assumed_size();
-            let Some(message) = message.filter(|_| self.frames[index].ptz.is_some()) else {
+            let frame = &self.frames[index];
+            let message = self.field_of(frame).describe_assumed_size();
+            let message = message.filter(|_| frame.ptz.is_some());
+            let has_warning = frame
+                .solution
+                .as_ref()
+                .is_some_and(|solution| solution.warnings.iter().any(|known| known.code == code));
+            if message.is_none() && !has_warning {
                 continue;
-            };
+            }
+            // An earlier warning of this kind is replaced: exporting twice must not state it
+            // twice, and a size that was confirmed since is assumed no longer.
             let solution = self.frames[index].solution.get_or_insert_default();
             solution.warnings.retain(|warning| warning.code != code);
-            solution.warnings.push(SolutionWarning::new(code, message));
+            solution
+                .warnings
+                .extend(message.map(|message| SolutionWarning::new(code, message)));
         }
     }
 }
@@ -120,10 +129,12 @@ mod tests {
                 .count(),
             0
         );
-        document.field.size = Some(FieldSize::Confirmed);
-        assert_eq!(
-            warnings(&document.into_dataset()),
-            [vec![], Vec::<String>::new()]
-        );
+        for mut stated in [document, again] {
+            stated.field.size = Some(FieldSize::Confirmed);
+            assert_eq!(
+                warnings(&stated.into_dataset()),
+                [vec![], Vec::<String>::new()]
+            );
+        }
     }
 }

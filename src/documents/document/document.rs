@@ -221,10 +221,10 @@ impl Document {
     /// Stores the annotator's own click noise.
     ///
     /// # Errors
-    /// One of its numbers is not finite.
+    /// One of its numbers is not finite, or not positive where it has to be.
     pub fn set_click_noise(&mut self, noise: &ClickNoise) -> Result<(), serde_json::Error> {
-        // To serialise is to check: the adapters refuse numbers that JSON lacks. Found later, such
-        // a number would keep the whole document from being written.
+        // To serialise is to check: the adapters refuse numbers that a document cannot hold. Found
+        // later, such a number would keep the whole document from being written.
         serde_json::to_value(noise)?;
         self.click_noise = Some(StoredClickNoise::Own(noise.clone()));
         Ok(())

@@ -62,12 +62,13 @@ impl FieldSpec {
         }
     }
 
-    /// A template with parameters that a person states: its size is then known and not to be
-    /// fitted.
+    /// A template with parameters that a person states. With its length or width among them, its
+    /// size is known and not to be fitted.
     #[must_use]
     pub fn with_params(template: &str, params: BTreeMap<String, f64>) -> Self {
+        let is_size_stated = SIZE.iter().any(|name| params.contains_key(*name));
         Self {
-            size: (!params.is_empty()).then_some(FieldSize::Confirmed),
+            size: is_size_stated.then_some(FieldSize::Confirmed),
             params,
             ..Self::new(template)
         }
@@ -199,6 +200,11 @@ mod tests {
             "a tennis court is a tennis court"
         );
         assert_eq!(FieldSpec::new("mine.json").assumed_size(), None);
+        for (stated, assumed) in [("length_m", None), (CROWN, Some("105 × 68 m"))] {
+            let params = BTreeMap::from([(stated.to_owned(), 105.0)]);
+            let spec = FieldSpec::with_params("soccer", params);
+            assert_eq!(spec.assumed_size().as_deref(), assumed, "{stated}");
+        }
     }
 
     #[test]

@@ -19,19 +19,17 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     // `onto` return at the end, in frames that are still untouched.
     let mut document = onto.without_suggestions();
     let mut conflicts = add_new_cameras(edits, &mut document);
+    let mut places = Places::default();
+    for (place, known) in document.frames.iter().enumerate() {
+        places.add(known, place);
+    }
     for edited in last_frames(edits) {
         let frame = edited.without_suggestion();
-        // The frame with the same id, else one with the same picture: journals of earlier versions
-        // state no ids, and another program may have given the picture another one.
-        let same_id = document.frames.position_of(&frame.id);
-        let place = same_id.or_else(|| {
-            document
-                .frames
-                .iter()
-                .position(|known| known.name() == frame.name())
-        });
+        let place = places.find(&frame);
         let Some(known) = place.and_then(|place| document.frames.get_mut(place)) else {
+            let place = document.frames.len();
             document.frames.push(frame.into());
+            places.add(&document.frames[place], place);
             continue;
         };
         // The document's frame keeps its id, to which other edits refer, and its revision, which
@@ -58,6 +56,28 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     Merged {
         document,
         conflicts,
+    }
+}
+
+/// The positions of a document's frames. A search among the frames themselves for each of many new
+/// ones would take a time that grows with the square of their number.
+#[derive(Default)]
+struct Places {
+    by_id: BTreeMap<FrameId, usize>,
+    by_name: BTreeMap<String, usize>,
+}
+
+impl Places {
+    fn add(&mut self, frame: &Frame, place: usize) {
+        self.by_id.entry(frame.id.clone()).or_insert(place);
+        self.by_name.entry(frame.name()).or_insert(place);
+    }
+
+    /// The position of the frame with the same id, else of one with the same picture: journals of
+    /// earlier versions state no ids, and another program may have given the picture another one.
+    fn find(&self, frame: &Frame) -> Option<usize> {
+        let same_id = self.by_id.get(&frame.id).copied();
+        same_id.or_else(|| self.by_name.get(&frame.name()).copied())
     }
 }
 

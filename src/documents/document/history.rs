@@ -194,7 +194,8 @@ impl<T: Undoable> History<T> {
     }
 
     /// Closes the open transaction. True if it is now a step because it changed something; the
-    /// undone steps are discarded then. A resumed step without further changes stays as it was.
+    /// undone steps are discarded then. A resumed step without further changes stays as it was;
+    /// one that was changed back to the value before it is no step any more.
     pub fn commit(&mut self, current: &T) -> bool {
         let Some(Transaction {
             step,
@@ -207,11 +208,17 @@ impl<T: Undoable> History<T> {
         // A resumed step without further changes is put back as it was; steps that can be redone
         // stay, as nothing new was done. The check comes before the next one, which compares with
         // the state before the whole step.
+        let is_resumed = resumed_at.is_some();
         if resumed_at.is_some_and(|resumed| resumed.is_same_state(current)) {
             self.done.push_back((step, before));
             return true;
         }
         if before.is_same_state(current) {
+            // The undone steps start from the result of the resumed step: repeating one would
+            // bring back what the user has just changed back.
+            if is_resumed {
+                self.undone.clear();
+            }
             return false;
         }
         self.undone.clear();
@@ -327,6 +334,21 @@ mod tests {
             Some(step("drag")),
             "nothing more was changed"
         );
+    }
+
+    #[test]
+    fn a_step_that_is_changed_back_does_not_return_with_a_redo() {
+        let (mut history, mut value) = (History::default(), 0);
+        for (next, name) in [(1, "nudge"), (2, "drag")] {
+            history.begin(&value, step(name));
+            value = next;
+            assert!(history.commit(&value));
+        }
+        history.undo(&mut value);
+        assert!(history.resume(&value, &step("nudge")));
+        value = 0;
+        assert!(!history.commit(&value) && history.next_undo().is_none());
+        assert_eq!((history.redo(&mut value), value), (None, 0));
     }
 
     #[test]

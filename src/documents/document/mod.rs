@@ -49,7 +49,7 @@
 //! | `image_size_px`, `principal_point_px` | of its pictures, px |
 //! | `position_m?`, `base_from_world?` | its base; absent: not known yet |
 //! | `distortion?` | `k1`: `at_focal_px`, `value`, `per_1000_px` ([`K1Curve`]); `k2_per_k1_squared?`: k₂ = this · k₁² ([`Distortion`]) |
-//! | `sigma?` | prior 1-σ of the base: `position_m`, `rotation_deg`, `correlation?` ([`CameraSigma`]) |
+//! | `sigma?` | prior 1-σ of the base: `position_m`, `rotation_deg`, `k1?`, `k1_per_1000_px?`, `crown_m?`, `crown_width_m?`, `principal_point_px?`, `correlation?` ([`CameraSigma`]) |
 //! | `masks_px?` | boxes `[x, y, width, height]` that give no features in any frame, px |
 //! | `masks?` | boxes for some frames, or found by the program: `box_px`, `from?`, `to?` (video frames), `source`: `found`, `by_hand` ([`RangedMask`]) |
 //! | `click_noise_px?` | 1-σ of a click in its pictures, px |
@@ -75,6 +75,7 @@
 //! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
 //! | `clicks` | `landmark` or `line`, `image_px`, `check?`, `snapped_sigma_px?`: moved to the paint, known to this 1-σ ([`Click`]) |
 //! | `masks_px?` | boxes that give no features in this frame, px |
+//! | `labels_name?` | its name in another program's files, where that is not its picture's |
 //! | `lens?` | what its lens is known to be before it is solved: `focal_px`, `principal_point_px`, `k1?`, `k2?` ([`FrameLens`]) |
 //! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`; absent: unsolved ([`FramePtz`]) |
 //! | `solution?` | below |
@@ -83,13 +84,14 @@
 //!
 //! | key | what it is |
 //! |---|---|
-//! | `covariance?` | 3 × 3 in the order `pan_deg`, `tilt_deg`, `focal_px` |
+//! | `covariance?`, `own_covariance?` | 3 × 3 in the order `pan_deg`, `tilt_deg`, `focal_px`; the second with the camera's base taken as exact |
 //! | `rms_px?`, `worst_corner_sigma_px?` | residuals, and 1-σ of the overlay at the worst corner, px |
 //! | `source?` | [`SolutionSource`] |
 //! | `confidence?` | 0 to 1: that the overlay is right within 10 px at 1920 px width |
 //! | `samples?` | how many samples of painted lines took part |
 //! | `line_check?` | the evidence of the paint: `score`, `predicted`, `found`, `bare`, … ([`PaintEvidence`]) |
 //! | `proposed?` | what the program proposed before a person corrected it ([`Proposed`]) |
+//! | `imported?` | the camera that another program gave the frame, where mending replaced it ([`ImportedCamera`]) |
 //! | `timings_ms?` | `features`, `predict`, `pose` ([`TimingsMs`]) |
 //! | `verdict?` | on the clicks when they were solved |
 //! | `disputed?` | indices of clicks that disagree with the others |

@@ -40,15 +40,14 @@ fn take_package(document: &Document, positions: Range<usize>) -> Document {
 
 /// The shots of a document whose ends still have the same meaning with some of its frames.
 fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
-    // A plain number refers to the first video of the document.
-    let keeps_numbers = frames.first_video() == document.frames.first_video();
     document
         .shots
         .iter()
         .filter(|shot| {
             [&shot.from, &shot.to].into_iter().all(|end| match end {
                 ShotEnd::Frame(id) => frames.by_id(id).is_some(),
-                ShotEnd::VideoFrame(_) => keeps_numbers,
+                // A plain number refers to the first video of the document.
+                ShotEnd::VideoFrame(_) => frames.first_video() == document.frames.first_video(),
             })
         })
         .cloned()
@@ -93,7 +92,12 @@ pub fn restore_package(base: &Document, version: &Document) -> Document {
     let Some(given) = given else {
         return whole;
     };
-    whole.extra.remove(KEY);
+    // Where `base` is a package itself, its versions are that package again. Without the record,
+    // the frames outside it would look removed when they are joined with the whole document.
+    match base.extra.get(KEY) {
+        Some(record) => whole.extra.insert(KEY.to_owned(), record.clone()),
+        None => whole.extra.shift_remove(KEY),
+    };
     whole.frames = join_frames(base, &whole.frames, &given);
     // The package as it was given away: the shots that it had then show which of the base's shots
     // its present ones replace.
@@ -301,6 +305,17 @@ mod tests {
             added.image.as_deref(),
             Some("images/003-of-the-package.jpg")
         );
+    }
+
+    #[test]
+    fn parts_of_a_package_are_joined_to_that_package() {
+        let base = document(6);
+        let package = split_into_packages(&base, 4).remove(0);
+        let parts = split_into_packages(&package, 2);
+        let [first, second] = [0, 1].map(|part| restore_package(&package, &parts[part]));
+        let joined = merge(&package, &first, &second).document;
+        assert_eq!(joined, package);
+        assert_eq!(restore_package(&base, &joined), base);
     }
 
     #[test]

@@ -65,7 +65,7 @@ impl Frame {
     }
 
     /// Whether another document, with its version of this frame or without the frame, lacks work of
-    /// the user: clicks, decision, comment, masks, or repeated clicks.
+    /// the user: clicks, decision, comment, masks, repeated clicks, or the choice of its uses.
     pub fn gives_way_in(&self, other: &Document) -> bool {
         let mine = self.without_suggestion();
         let Some(theirs) = other
@@ -76,7 +76,8 @@ impl Frame {
             return !mine.is_untouched()
                 || mine.comment.is_some()
                 || !mine.masks.is_empty()
-                || !mine.repeats.is_empty();
+                || !mine.repeats.is_empty()
+                || mine.has_chosen_uses();
         };
         // Each kind of work counts by itself, and only where there is some on this side: what only
         // the other document has is no loss.
@@ -86,6 +87,17 @@ impl Frame {
             || (mine.comment.is_some() && mine.comment != theirs.comment)
             || (!mine.masks.is_empty() && mine.masks != theirs.masks)
             || (!mine.repeats.is_empty() && mine.repeats != theirs.repeats)
+            || (mine.has_chosen_uses() && mine.uses() != theirs.uses())
+    }
+
+    /// Whether the user chose what it is used for.
+    fn has_chosen_uses(&self) -> bool {
+        self.uses() != (true, None, false)
+    }
+
+    /// What it is used for: its camera's base, training, blind clicks.
+    const fn uses(&self) -> (bool, Option<bool>, bool) {
+        (self.use_for_base, self.use_for_training, self.gold)
     }
 
     /// Whether its camera, or the reason why it has none, comes from the program alone: no clicks
@@ -235,17 +247,26 @@ mod tests {
     }
 
     #[test]
-    fn a_document_without_the_frame_lacks_its_masks() {
+    fn a_document_without_the_frame_lacks_its_masks_and_its_uses() {
         let without = Document::new(FieldSpec::new("soccer"));
-        let mut masked = frame(FrameStatus::New, false, None);
-        assert!(!masked.gives_way_in(&without), "there is no work in it");
+        let untouched = frame(FrameStatus::New, false, None);
+        assert!(!untouched.gives_way_in(&without), "there is no work in it");
+        let mut masked = untouched.clone();
         masked.masks.push(PixelBox {
             x: 0.0,
             y: 0.0,
             width: 9.0,
             height: 9.0,
         });
-        assert!(masked.gives_way_in(&without));
+        let left_out = Frame {
+            use_for_base: false,
+            ..untouched.clone()
+        };
+        let mut with = without.clone();
+        with.frames.push(untouched.into());
+        for worked_on in [masked, left_out] {
+            assert!(worked_on.gives_way_in(&without) && worked_on.gives_way_in(&with));
+        }
     }
 
     #[test]

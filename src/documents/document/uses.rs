@@ -85,8 +85,9 @@ impl Frame {
     /// a suggestion that is at least as likely right as wrong and not contradicted by paint.
     #[must_use]
     pub fn vouches(&self) -> bool {
-        self.suggestion_confidence()
-            .is_none_or(|confidence| confidence >= LIKELY && self.contradicting_paint().is_none())
+        // Of a suggestion without a confidence, such as an imported camera, the paint decides.
+        self.status != FrameStatus::Suggested
+            || (self.unlikely().is_none() && self.contradicting_paint().is_none())
     }
 
     /// Whether its camera is a failed suggestion.
@@ -261,9 +262,11 @@ mod tests {
             ..PaintEvidence::default()
         };
         for (confidence, line_check, speaks) in [
-            (0.6, None, true),
-            (0.4, None, false),
-            (0.6, Some(off), false),
+            (Some(0.6), None, true),
+            (Some(0.4), None, false),
+            (Some(0.6), Some(off.clone()), false),
+            (None, None, true),
+            (None, Some(off), false),
         ] {
             let accepted = reference(SolutionSource::Forest);
             let mut suggested = Frame {
@@ -271,11 +274,11 @@ mod tests {
                 ..accepted.clone()
             };
             let solution = suggested.solution.as_mut().unwrap();
-            (solution.confidence, solution.line_check) = (Some(confidence), line_check);
+            (solution.confidence, solution.line_check) = (confidence, line_check);
             assert_eq!(
                 (suggested.vouches(), accepted.vouches()),
                 (speaks, true),
-                "{confidence}"
+                "{confidence:?}"
             );
         }
     }

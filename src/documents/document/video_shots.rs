@@ -74,20 +74,19 @@ impl VideoShots {
             .collect();
         inside.sort_unstable();
         inside.dedup_by_key(|(from, _)| *from);
-        let mut shots = Self {
+        // One search for a free number, because it visits all frames of the document.
+        let free = free_number(document, &[]);
+        let starts = std::iter::once((0, ShotKind::Cut)).chain(inside);
+        let starts = starts.enumerate().map(|(index, (from, kind))| Start {
+            from,
+            shot: shot(kind),
+            clip: Clip::Number(free.saturating_add(index as i64)),
+        });
+        Self {
             video: video.to_owned(),
-            starts: Vec::new(),
+            starts: starts.collect(),
             last,
-        };
-        for (from, kind) in std::iter::once((0, ShotKind::Cut)).chain(inside) {
-            let clip = shots.free_clip(document);
-            shots.starts.push(Start {
-                from,
-                shot: shot(kind),
-                clip,
-            });
         }
-        shots
     }
 
     /// The shots of a video that a document has; none where it has none.
@@ -211,23 +210,9 @@ impl VideoShots {
         at.filter(|at| *at > 0).ok_or(ShotsError::NoCut { frame })
     }
 
-    /// A clip number that no shot uses.
+    /// A clip that no shot uses.
     fn free_clip(&self, document: &Document) -> Clip {
-        let known = document
-            .frames
-            .iter()
-            .filter_map(|frame| frame.clip.as_ref());
-        let known = known.chain(self.starts.iter().map(|start| &start.clip));
-        let most = known
-            .filter_map(|clip| {
-                if let Clip::Number(number) = clip {
-                    Some(*number)
-                } else {
-                    None
-                }
-            })
-            .max();
-        Clip::Number(most.unwrap_or(0).saturating_add(1))
+        Clip::Number(free_number(document, &self.starts))
     }
 
     /// Replaces the document's shots of this video, and stores each frame's shot in the frame.
@@ -288,6 +273,22 @@ impl VideoShots {
         }
         document.shots = of_others.into_iter().chain(shots).collect();
     }
+}
+
+/// The number after all clip numbers of a document's frames and of these shots.
+fn free_number(document: &Document, starts: &[Start]) -> i64 {
+    let of_frames = document
+        .frames
+        .iter()
+        .filter_map(|frame| frame.clip.as_ref());
+    let most = of_frames
+        .chain(starts.iter().map(|start| &start.clip))
+        .filter_map(|clip| match clip {
+            Clip::Number(number) => Some(*number),
+            Clip::Name(_) => None,
+        })
+        .max();
+    most.unwrap_or(0).saturating_add(1)
 }
 
 /// A shot whose ends are not known yet.

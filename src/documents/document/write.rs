@@ -38,7 +38,7 @@ const MAY_FIT_ON_LINE: usize = 2;
 #[derive(Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// A value is not a finite number.
+    /// A value is not finite, or not positive where it has to be.
     #[error("{place}: {message}")]
     NotFinite {
         /// Which frame, camera or key.
@@ -51,7 +51,7 @@ pub enum WriteError {
 /// The text of a document, with a final newline.
 ///
 /// # Errors
-/// A number is NaN or infinite; the frame or camera is named.
+/// A number is NaN or infinite, or not positive where it has to be; the frame or camera is named.
 pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
     let mut root = Map::new();
     root.insert("format".to_owned(), FORMAT_NAME.into());
@@ -266,18 +266,21 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_with_a_number_that_json_cannot_hold_is_named() {
+    fn a_frame_with_a_number_that_a_document_cannot_hold_is_named() {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for index in 0..4 {
             let mut frame = Frame::from_image(&index.to_string(), "c".into(), ImageSize::new(9, 9));
-            let focal_px = if index == 2 { f64::NAN } else { 900.0 };
-            frame.ptz = Some(FramePtz::new(
-                touchline_core::camera::Ptz::from_degrees(1.0, 2.0, focal_px),
-                None,
-            ));
+            let ptz = touchline_core::camera::Ptz::from_degrees(1.0, 2.0, 900.0);
+            frame.ptz = Some(FramePtz::new(ptz, None));
             document.frames.push(frame.into());
         }
-        let error = document_to_string(&document).unwrap_err().to_string();
-        assert!(error.starts_with("frames[2] (2): "), "{error}");
+        // The last two can be written, but not be read again.
+        for focal_px in [f64::NAN, f64::INFINITY, 0.0, -900.0] {
+            if let Some(ptz) = &mut document.frames[2].ptz {
+                ptz.focal_px = focal_px;
+            }
+            let error = document_to_string(&document).unwrap_err().to_string();
+            assert!(error.starts_with("frames[2] (2): "), "{error}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The interface of camera formats.
 
 use super::error::ExchangeError;
-use super::files::Files;
+use super::files::{Files, base_name};
 use super::frame_camera::FrameCamera;
 use super::into_document::{Exactness, View, document_of};
 use super::options::{ExportOptions, ImportOptions};
@@ -76,11 +76,6 @@ pub trait CameraFormat: Sync {
         SizeSource::Stated
     }
 
-    /// Whether an export is verified by reading it back.
-    fn is_proved(&self) -> bool {
-        true
-    }
-
     /// The tolerances within which its frames agree on a common base.
     fn exactness(&self) -> Exactness {
         Exactness::default()
@@ -96,15 +91,17 @@ pub trait CameraFormat: Sync {
         Vec::new()
     }
 
-    /// The files of the frames as stored by [`Self::hold`].
+    /// The files of the frames as stored by [`Self::hold`]; none for a format that is only read.
     ///
     /// # Errors
     /// A value cannot be written.
     fn write(
         &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError>;
+        _held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        Ok(Files::default())
+    }
 
     /// The description of its files in errors: "camera files".
     fn file_description(&self) -> &'static str;
@@ -144,8 +141,9 @@ pub trait CameraFormat: Sync {
 /// or the video's with the frame's number.
 #[must_use]
 pub fn stem_of(frame: &FrameCamera) -> String {
+    // A document that somebody sent may state any name; a folder in it would lead out of the export.
     if let Some(name) = &frame.labels_name {
-        return name.clone();
+        return base_name(name).to_owned();
     }
     match (&frame.image, frame.frame_index) {
         (Some(image), _) => file_stem(image),
@@ -161,9 +159,9 @@ pub fn stem_of(frame: &FrameCamera) -> String {
     }
 }
 
-/// The file name of a path of this system, without its ending.
-fn file_stem(path: &str) -> String {
-    Path::new(path)
+/// The file name of a path without its ending.
+pub fn file_stem(path: &str) -> String {
+    Path::new(base_name(path))
         .file_stem()
         .unwrap_or_default()
         .to_string_lossy()
@@ -173,14 +171,10 @@ fn file_stem(path: &str) -> String {
 /// The file name of a frame's picture.
 #[must_use]
 pub fn file_name_of(frame: &FrameCamera) -> String {
-    let name = frame
-        .image
-        .as_deref()
-        .and_then(|image| Path::new(image).file_name());
-    name.map_or_else(
-        || format!("{}.jpg", stem_of(frame)),
-        |name| name.to_string_lossy().into_owned(),
-    )
+    match &frame.image {
+        Some(image) => base_name(image).to_owned(),
+        None => format!("{}.jpg", stem_of(frame)),
+    }
 }
 
 /// Whether a name has this ending, in any case.
@@ -189,4 +183,20 @@ pub fn has_ending(name: &str, ending: &str) -> bool {
     Path::new(name)
         .extension()
         .is_some_and(|found| found.eq_ignore_ascii_case(ending))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::frame_camera::FrameProjection;
+
+    #[test]
+    fn a_stated_name_of_files_leads_out_of_no_folder() {
+        let mut frame = FrameCamera::new("b.jpg", None, FrameProjection::Nothing);
+        assert_eq!(stem_of(&frame), "b");
+        for name in ["../../a", "..\\a", "/etc/a"] {
+            frame.labels_name = Some(name.to_owned());
+            assert_eq!(stem_of(&frame), "a");
+        }
+    }
 }

@@ -12,7 +12,7 @@ use super::error::ExchangeError;
 use super::files::Files;
 use super::format::Format;
 use super::frame_camera::FrameCamera;
-use super::held::parts;
+use super::held::{cannot_hold, parts};
 use super::options::ImportOptions;
 use serde_json::json;
 
@@ -33,15 +33,6 @@ fn require<T>(
         what,
         option,
     })
-}
-
-/// The error that the sheet cannot represent a frame, which is named by its image.
-fn cannot_hold(frame: &FrameCamera, why: String) -> ExchangeError {
-    ExchangeError::CannotHold {
-        frame: frame.image.clone().unwrap_or_else(|| frame.name.clone()),
-        format: Format::Cdf,
-        why,
-    }
 }
 
 impl CameraFormat for Cdf {
@@ -91,13 +82,14 @@ impl CameraFormat for Cdf {
         let Some(first) = frames.next() else {
             return Ok(Files::default());
         };
-        let (pinhole, size) = parts(first).map_err(|why| cannot_hold(first, why))?;
+        let (pinhole, size) = parts(first).map_err(|why| cannot_hold(first, Format::Cdf, why))?;
         // The position is all that the sheet says of a camera, so that all frames must share it.
         for frame in frames {
-            let (other, other_size) = parts(frame).map_err(|why| cannot_hold(frame, why))?;
+            let (other, other_size) =
+                parts(frame).map_err(|why| cannot_hold(frame, Format::Cdf, why))?;
             if other_size != size || (other.position_m - pinhole.position_m).amax() > SAME_PLACE_M {
                 let why = "a sheet describes one camera; choose one with --camera";
-                return Err(cannot_hold(frame, why.to_owned()));
+                return Err(cannot_hold(frame, Format::Cdf, why.to_owned()));
             }
         }
         // The schema has `fps` as an integer; 30 for 29.97 would be off by a frame every 33 s.
@@ -106,7 +98,7 @@ impl CameraFormat for Cdf {
                 "its frame rates are whole numbers, and {:.2} frames per second is not",
                 rate.per_second()
             );
-            return Err(cannot_hold(first, why));
+            return Err(cannot_hold(first, Format::Cdf, why));
         }
         let operation = if recording.is_automated {
             "automated"
@@ -139,10 +131,6 @@ impl CameraFormat for Cdf {
 
     fn is_wanted(&self, name: &str) -> bool {
         has_ending(name, "json")
-    }
-
-    fn is_proved(&self) -> bool {
-        false
     }
 
     fn read(

@@ -7,8 +7,9 @@
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
+use super::format::Format;
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use super::held::{parts, plain, with};
+use super::held::{OTHER_SIZE, cannot_hold, note_several_cameras, parts, plain, with};
 use super::options::ImportOptions;
 use super::table::numbers;
 use super::values::frame_number;
@@ -107,10 +108,12 @@ impl CameraFormat for Chan {
         ))
     }
 
-    fn notes(&self, _frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
+    fn notes(&self, frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
         let how = "the last column is the vertical field of view in degrees, rotation order ZXY; set the aperture to the \
                    picture's proportions before importing";
-        vec![how.to_owned()]
+        let mut notes = vec![how.to_owned()];
+        notes.extend(note_several_cameras(frames));
+        notes
     }
 
     fn write(
@@ -119,10 +122,15 @@ impl CameraFormat for Chan {
         _context: &WriteContext<'_>,
     ) -> Result<Files, ExchangeError> {
         let mut text = String::new();
+        // A reader knows one size for the whole track, by which it finds the focal lengths.
+        let first_size = held.first().and_then(|first| first.size);
         for (index, frame) in held.iter().enumerate() {
             let Ok((pinhole, size)) = parts(frame) else {
                 continue;
             };
+            if Some(size) != first_size {
+                return Err(cannot_hold(frame, Format::Chan, OTHER_SIZE.to_owned()));
+            }
             // Camera to world, both in Nuke's axes.
             let m = y_up() * pinhole.cam_from_world.transpose() * looking_back();
             let [rx, ry, rz] = angles_deg(&m);
@@ -159,7 +167,7 @@ impl CameraFormat for Chan {
         if options.size.is_none() {
             let (what, option) = ("the size of its pictures", "--size WIDTHxHEIGHT");
             return Err(ExchangeError::OptionNeeded {
-                format: super::format::Format::Chan,
+                format: Format::Chan,
                 what,
                 option,
             });
@@ -179,8 +187,10 @@ impl CameraFormat for Chan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::Format;
     use crate::exchange::tests::{SIZE, awkward, export_as, reference, text_of};
+    use crate::exchange::{ExportOptions, export};
+    use std::path::Path;
+    use touchline_core::geometry::ImageSize;
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
@@ -204,6 +214,22 @@ mod tests {
         assert_eq!(
             exported.loss.unwrap().what,
             ["lens distortion", "the principal point"]
+        );
+    }
+
+    #[test]
+    fn pictures_of_two_sizes_are_refused() {
+        let mut document = awkward();
+        let mut small = (*document.cameras[0]).clone();
+        (small.id, small.image_size) = ("small".into(), ImageSize::new(960, 540));
+        document.cameras.push(small.into());
+        document.frames[3].camera = "small".into();
+        document.frames[3].image_size = ImageSize::new(960, 540);
+        let options = ExportOptions::default();
+        let error = export(document.at(Path::new("/")), Format::Chan, &options).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!("images/0004.jpg cannot be written as chan: {OTHER_SIZE}")
         );
     }
 

@@ -5,6 +5,7 @@ use super::format::Format;
 use super::options::FrameChoice;
 use crate::document::{Frame, FrameStatus};
 use std::collections::BTreeMap;
+use touchline_core::geometry::pluralise;
 
 /// Why a frame without a camera is left out.
 pub const NOT_SOLVED: &str = "it is not solved";
@@ -67,9 +68,14 @@ pub fn refuse_same_names<'a>(
 
 /// The error that nothing is left to export, with the reasons.
 pub fn nothing(format: Format, left_out: &[(String, String)]) -> ExchangeError {
-    let why = match left_out {
-        [] => "no frame has the requested status, camera and confidence".to_owned(),
-        [(frame, why), ..] => format!("{frame}: {why} ({} frames in all)", left_out.len()),
-    };
+    let why = first_left_out(left_out)
+        .unwrap_or_else(|| "no frame has the requested status, camera and confidence".to_owned());
     ExchangeError::NothingToExport { format, why }
+}
+
+/// The first frame that is left out with its reason, and how many are.
+pub fn first_left_out(left_out: &[(String, String)]) -> Option<String> {
+    let (frame, why) = left_out.first()?;
+    let all = pluralise(left_out.len(), "frame");
+    Some(format!("{frame}: {why} ({all} in all)"))
 }

@@ -51,7 +51,8 @@ pub struct ClickContext<'a> {
     pub field: &'a FieldModel,
 }
 
-/// The picture size of an image by name: that of its file if it exists, else the given one.
+/// The size of a picture by name, of its file; none where it does not exist. Formats take the size
+/// of the options then, which is not that of the picture itself.
 pub type Sizes<'a> = dyn Fn(&str) -> Option<ImageSize> + 'a;
 
 /// The error about a picture of unknown size.
@@ -71,6 +72,16 @@ pub trait ClickFormat: Sync {
         true
     }
 
+    /// Whether it can store points outside of the picture: yes, unless the format says otherwise.
+    fn holds_outside(&self) -> bool {
+        true
+    }
+
+    /// Whether it can store several clicks on one landmark: yes, unless the format says otherwise.
+    fn holds_repeated_landmarks(&self) -> bool {
+        true
+    }
+
     /// The name of a frame when it is read back: its picture's, unless the format says otherwise.
     fn name_of(&self, frame: &ClickedFrame) -> String {
         frame.image.clone()
@@ -81,15 +92,17 @@ pub trait ClickFormat: Sync {
         1e-6
     }
 
-    /// The files of the frames.
+    /// The files of the frames; none for a format that is only read.
     ///
     /// # Errors
     /// A value cannot be written.
     fn write(
         &self,
-        frames: &[ClickedFrame],
-        context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError>;
+        _frames: &[ClickedFrame],
+        _context: &ClickContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        Ok(Files::default())
+    }
 
     /// The description of its files in errors.
     fn file_description(&self) -> &'static str;

@@ -203,6 +203,10 @@ impl ClickFormat for Coco {
         is_keypoint(click, context)
     }
 
+    fn holds_repeated_landmarks(&self) -> bool {
+        false
+    }
+
     fn write(
         &self,
         frames: &[ClickedFrame],
@@ -278,10 +282,23 @@ mod tests {
         assert_eq!(
             exported.notes,
             [
-                "1 clicks are on something that coco has no name for; they are left out",
-                "1 check clicks are written like all others; coco cannot mark them"
+                "1 click on something that coco has no name for, left out",
+                "1 check click not marked as such, because coco cannot"
             ]
         );
+    }
+
+    #[test]
+    fn a_landmark_that_is_clicked_twice_is_left_out() {
+        let mut document = with_clicks();
+        let mut again = document.frames[0].clicks[0].clone();
+        again.image.x += 5.0;
+        document.frames[0].clicks.push(again);
+        let exported = export_as(&document, Format::Coco);
+        let all: Value = serde_json::from_str(&text_of(&exported.files, "keypoints.json")).unwrap();
+        assert_eq!(all["annotations"][0]["num_keypoints"], 2);
+        let note = "left out because a frame has them more than once: \"centre_mark\" (2×)";
+        assert_eq!(exported.notes.last().unwrap(), note);
     }
 
     #[test]

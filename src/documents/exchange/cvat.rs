@@ -6,15 +6,13 @@
 //! are rejected.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
+use super::clicked_frame::{ClickFormat, LabelledFrame, Mark, Sizes};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
-use super::format::Format;
 use super::node::safe_path;
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
 use super::values::{frame_number, shorten, side_px};
-use crate::document::Click;
 use roxmltree::Document as Xml;
 use std::collections::BTreeMap;
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -117,7 +115,9 @@ fn side(element: Element<'_>, name: &str) -> Result<u32, Problem> {
 
 /// The points of a shape, all with its label.
 fn marks(shape: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> {
-    if shape.attribute("outside") == Some("1") {
+    // A key frame of a skeleton may have points that are interpolated all the same.
+    let is_interpolated = shape.attribute("keyframe") == Some("0");
+    if is_interpolated || shape.attribute("outside") == Some("1") {
         return Ok(Vec::new());
     }
     let label = attribute(shape, "label")?;
@@ -273,22 +273,6 @@ fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>
 }
 
 impl ClickFormat for Cvat {
-    fn holds(&self, _click: &Click, _context: &ClickContext<'_>) -> bool {
-        false
-    }
-
-    fn write(
-        &self,
-        _frames: &[ClickedFrame],
-        _context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
-        Err(ExchangeError::OneWay {
-            format: Format::Cvat,
-            what: "exported",
-            instead: "imported",
-        })
-    }
-
     fn file_description(&self) -> &'static str {
         "annotations.xml"
     }
@@ -362,6 +346,20 @@ mod tests {
                 image: ImagePoint::new(1.0, 2.0)
             }]
         );
+    }
+
+    #[test]
+    fn interpolated_points_of_a_skeleton_are_left_out() {
+        let track = r#"<annotations><meta><original_size><width>640</width><height>360</height></original_size></meta>
+<track id="0" label="pitch"><skeleton frame="3" keyframe="1"><points label="centre_mark" keyframe="1" points="1,2"/>
+<points label="halfway_far" keyframe="0" points="3,4"/></skeleton></track></annotations>"#;
+        let frames = read(track).unwrap();
+        let labels: Vec<&str> = frames[0]
+            .marks
+            .iter()
+            .map(|mark| mark.label.as_str())
+            .collect();
+        assert_eq!(labels, ["centre_mark"]);
     }
 
     #[test]

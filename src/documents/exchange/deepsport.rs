@@ -4,7 +4,7 @@
 //! **down**; `KK`, `R`, `T` by rows, world→camera; `kc` = k1 k2 p1 p2 k3; pixels from the first
 //! one's centre. Source: `deepsport-utilities`, `calib3d`.
 
-use super::camera_format::{CameraFormat, WriteContext, has_ending};
+use super::camera_format::{CameraFormat, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, without_ending};
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
@@ -60,18 +60,6 @@ fn matrix(node: &Node<'_>, key: &str) -> Result<Mat3, Problem> {
 }
 
 impl CameraFormat for DeepSport {
-    fn write(
-        &self,
-        _held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
-        Err(ExchangeError::OneWay {
-            format: super::format::Format::DeepSport,
-            what: "exported",
-            instead: "imported",
-        })
-    }
-
     fn file_description(&self) -> &'static str {
         "camera files (camcourt….json)"
     }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 use touchline_core::field::FieldError;
 use touchline_core::files::{NotReplaced, plain, way_out};
-use touchline_core::geometry::ImageSize;
+use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_core::solve::PlanePoseError;
 use touchline_vision::media::MediaError;
 
@@ -180,10 +180,10 @@ pub enum ExchangeError {
         /// Where.
         path: PathBuf,
     },
-    /// Pictures outside the project, which the user may not expect to be passed on.
-    #[error("{count} pictures lie outside of the project, the first is {}; --outside-pictures copies them too", first.display())]
+    /// Pictures and videos outside the project, which the user may not expect to be passed on.
+    #[error("{} outside of the project, the first is {}; --outside-pictures copies them too", pluralise(*count, "file"), first.display())]
     Outside {
-        /// How many.
+        /// How many files.
         count: usize,
         /// The first.
         first: PathBuf,

@@ -11,13 +11,14 @@ use super::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use super::into_document::camera_of;
 use super::loss::{crown_off_px, farthest_landmark, loss_between};
 use super::options::ExportOptions;
+use super::picture_size::has_same_proportions;
 use super::rate::Rate;
 use super::stage::{in_stage, in_world, takes_stage};
 use crate::document::{Camera, Click, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::{ImagePoint, ImageSize, pluralise};
 
 /// A solved frame as exchange formats store it; none where it is not solved.
 fn frame_camera(
@@ -160,11 +161,9 @@ pub fn export_cameras(
             left_out.push((frame.name(), NOT_SOLVED.to_owned()));
             continue;
         };
-        // A camera is rescaled by one factor, so that the proportions must agree; compared as whole
-        // numbers, which do not round.
+        // A camera is rescaled by one factor, so that the proportions must agree.
         if let Some(size) = options.size
-            && u64::from(size.width) * u64::from(frame.image_size.height)
-                != u64::from(size.height) * u64::from(frame.image_size.width)
+            && !has_same_proportions(size, frame.image_size)
         {
             let of = frame.image_size;
             left_out.push((
@@ -241,7 +240,7 @@ pub fn export_cameras(
     };
     // Before anything reaches the disk: a file that reads back otherwise is a fault of this
     // program.
-    let worst_px = if camera_format.is_proved() {
+    let worst_px = if format.is_proved() {
         proof.worst_px(&files, &held, &context)?
     } else {
         0.0
@@ -326,8 +325,8 @@ fn interpolation_note(frames: &[FrameCamera]) -> Option<String> {
         .collect();
     let (first, last) = (numbers.first()?, numbers.last()?);
     Some(format!(
-        "{} frames are interpolated, the first {first}, the last {last}",
-        numbers.len()
+        "interpolated: {}, the first {first}, the last {last}",
+        pluralise(numbers.len(), "frame")
     ))
 }
 

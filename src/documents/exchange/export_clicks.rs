@@ -1,20 +1,21 @@
 //! Export of clicks to a foreign format, verified by reading them back.
 
+use super::camera_format::file_stem;
 use super::choose::{NOT_SOLVED, is_chosen, nothing, refuse_same_names};
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame};
 use super::error::ExchangeError;
 use super::exported::Exported;
-use super::files::Files;
+use super::files::{Files, base_name};
 use super::format::Format;
+use super::import_clicks::{drop_repeated_landmarks, note_repeated};
 use super::labels::Meaning;
 use super::options::{ExportOptions, ImportOptions, PointSource};
 use crate::document::{Click, DocumentAt, Fields, Frame, Target};
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::{ImagePoint, ImageSize, pluralise};
 use touchline_core::markings::{MarkingOptions, project_landmarks, project_lines};
 
 /// The number of points of a curve that is written as a line: about as many as `SoccerNet`'s
@@ -92,12 +93,16 @@ pub fn export_clicks(
     // Only clicks that the format can store are compared with what is read back; the notes count
     // the others. The name in the format may depend on the image, so that it is set here.
     let mut dropped = Dropped::default();
+    let mut twice = BTreeMap::new();
     for frame in &mut chosen {
         frame.name = click_format.name_of(frame);
         let size = frame.size;
         frame
             .clicks
             .retain(|click| dropped.keeps(click, size, click_format, &context));
+        if !click_format.holds_repeated_landmarks() {
+            drop_repeated_landmarks(&mut frame.clicks, &mut twice);
+        }
     }
     // A frame without a label left would be an example of a picture that shows no field.
     let emptied = chosen.extract_if(.., |frame| frame.clicks.is_empty());
@@ -114,12 +119,14 @@ pub fn export_clicks(
     refuse_same_names(names.map(|frame| (frame.name.as_str(), frame.image.as_str())))?;
     let files = click_format.write(&chosen, &context)?;
     let worst_px = prove(format, click_format, &files, &chosen, &context)?;
+    let mut notes = dropped.notes(format, click_format);
+    notes.extend(note_repeated(&twice));
     Ok(Exported {
         format,
         frames: chosen.len(),
         left_out,
         loss: None,
-        notes: dropped.notes(format),
+        notes,
         worst_px,
         in_takes: false,
         dataset: None,
@@ -129,20 +136,14 @@ pub fn export_clicks(
 
 /// The file name of a frame's picture.
 fn file_of(frame: &Frame) -> String {
-    let named = frame
-        .image
-        .as_deref()
-        .and_then(|image| Path::new(image).file_name());
-    if let Some(name) = named {
-        return name.to_string_lossy().into_owned();
+    if let Some(image) = &frame.image {
+        return base_name(image).to_owned();
     }
     let video = frame.video.as_ref();
-    let stem = video
-        .and_then(|video| Path::new(&video.path).file_stem())
-        .unwrap_or_default();
+    let stem = video.map(|video| file_stem(&video.path));
     format!(
         "{}_{:06}.jpg",
-        stem.to_string_lossy(),
+        stem.unwrap_or_default(),
         video.map_or(0, |video| video.frame_index)
     )
 }
@@ -198,7 +199,8 @@ impl Dropped {
             self.kind += 1;
             return false;
         }
-        if !context.options.keep_outside && !size.contains(click.image) {
+        let keeps_outside = context.options.keep_outside && format.holds_outside();
+        if !keeps_outside && !size.contains(click.image) {
             self.outside += 1;
             return false;
         }
@@ -206,24 +208,32 @@ impl Dropped {
         true
     }
 
-    fn notes(&self, format: Format) -> Vec<String> {
+    fn notes(&self, format: Format, click_format: &dyn ClickFormat) -> Vec<String> {
+        let hint = if click_format.holds_outside() {
+            " (--outside keep)"
+        } else {
+            ""
+        };
         [
             (
                 self.kind,
-                format!("clicks are on something that {format} has no name for; they are left out"),
+                "click",
+                format!("on something that {format} has no name for, left out"),
             ),
             (
                 self.outside,
-                "clicks outside of their pictures are left out (--outside keep)".to_owned(),
+                "click",
+                format!("outside of the picture, left out{hint}"),
             ),
             (
                 self.checks,
-                format!("check clicks are written like all others; {format} cannot mark them"),
+                "check click",
+                format!("not marked as such, because {format} cannot"),
             ),
         ]
         .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, what)| format!("{count} {what}"))
+        .filter(|(count, ..)| *count > 0)
+        .map(|(count, what, how)| format!("{} {how}", pluralise(count, what)))
         .collect()
     }
 }

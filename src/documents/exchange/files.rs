@@ -20,9 +20,9 @@ const MAX_FILES: usize = 500_000;
 /// The maximum depth to which folders are searched.
 const MAX_DEPTH: usize = 5;
 
-/// The name of a file without its folders.
+/// The name of a file without its folders, whichever system its path was written on.
 pub fn base_name(path: &str) -> &str {
-    path.rsplit('/').next().unwrap_or(path)
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// The folder of a file's path, with its last `/`; empty if there is none.

@@ -7,10 +7,12 @@ use super::exported::Exported;
 use super::files::Files;
 use super::options::FrameChoice;
 use crate::document::{
-    Camera, Document, DocumentAt, Frame, FrameId, FramePtz, FrameStatus, Shared, Solution,
-    SolutionSource, VideoFrame,
+    Camera, Document, DocumentAt, Frame, FrameId, FrameLens, FramePtz, FrameStatus, Frames, Shared,
+    Solution, SolutionSource, VideoFrame,
 };
 use std::collections::{BTreeMap, BTreeSet};
+use touchline_core::camera::Radial;
+use touchline_core::geometry::{ImagePoint, pluralise};
 
 /// The chosen frames, and interpolated cameras for gaps of up to `most` frames between two solved
 /// frames of the same video, camera and clip. Pan, tilt and the logarithm of the focal length are
@@ -70,7 +72,10 @@ pub fn interpolate_gaps(
         );
     }
     let reasons = [
-        (long, format!("longer than {most} frames")),
+        (
+            long,
+            format!("longer than {}", pluralise(most as usize, "frame")),
+        ),
         (
             held,
             "with a rejected frame or a camera that was not requested".to_owned(),
@@ -79,7 +84,7 @@ pub fn interpolate_gaps(
     let reasons: Vec<String> = reasons
         .into_iter()
         .filter(|(count, _)| *count > 0)
-        .map(|(count, why)| format!("{count} {} {why}", if count == 1 { "gap" } else { "gaps" }))
+        .map(|(count, why)| format!("{} {why}", pluralise(count, "gap")))
         .collect();
     let note = (!reasons.is_empty()).then(|| format!("not filled: {}", reasons.join(", ")));
     (
@@ -164,14 +169,21 @@ fn frame_at(
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
     let share = (number - first.frame_index) as f64 / (last.frame_index - first.frame_index) as f64;
     let (from, to) = (before.ptz.as_ref()?, after.ptz.as_ref()?);
-    let ptz = from.ptz().interpolate(&to.ptz(), share);
+    let mut ptz = from.ptz().interpolate(&to.ptz(), share);
+    // A lens that the frame itself states is known; else one between those of its neighbours.
+    let stated = there.and_then(|frame| frame.lens.clone());
+    let lens = stated.or_else(|| lens_between(before, after, share, ptz.focal_px));
+    if let Some(lens) = &lens {
+        ptz.focal_px = lens.focal_px;
+    }
     // A camera with a curve knows its k₁ at any focal length; only where there is none, the frames
     // state their own.
-    let mut solved = FramePtz::new(
-        ptz,
-        camera.curve().map(|curve| curve.radial_at(ptz.focal_px)),
-    );
-    if camera.curve().is_none() {
+    let radial = match &lens {
+        Some(lens) => Some(lens.radial()),
+        None => camera.curve().map(|curve| curve.radial_at(ptz.focal_px)),
+    };
+    let mut solved = FramePtz::new(ptz, radial);
+    if radial.is_none() {
         solved.k1 = from
             .k1
             .zip(to.k1)
@@ -194,12 +206,32 @@ fn frame_at(
     Some(Frame {
         status: FrameStatus::Suggested,
         ptz: Some(solved),
+        lens,
         solution: Some(Solution {
             source,
             ..Solution::default()
         }),
         ..frame
     })
+}
+
+/// The lens between those that two frames state themselves, at a focal length; none where one of
+/// them states none.
+fn lens_between(before: &Frame, after: &Frame, share: f64, focal_px: f64) -> Option<FrameLens> {
+    let (from, to) = (before.lens.as_ref()?, after.lens.as_ref()?);
+    let (from_point, to_point) = (from.principal_point, to.principal_point);
+    let (from_radial, to_radial) = (from.radial(), to.radial());
+    Some(FrameLens::new(
+        focal_px,
+        ImagePoint::new(
+            at_share(from_point.x, to_point.x, share),
+            at_share(from_point.y, to_point.y, share),
+        ),
+        Radial {
+            k1: at_share(from_radial.k1, to_radial.k1, share),
+            k2: at_share(from_radial.k2, to_radial.k2, share),
+        },
+    ))
 }
 
 /// The value at a share of the way from one to another.
@@ -217,20 +249,22 @@ pub fn in_takes(
     choice: &FrameChoice,
     export: &dyn Fn(DocumentAt<'_>) -> Result<Exported, ExchangeError>,
 ) -> Result<Exported, ExchangeError> {
-    let mut takes: Vec<BTreeSet<FrameId>> = Vec::new();
+    // Takes by the positions of their frames: a long video may have thousands of takes, each of
+    // which must not search all frames.
+    let frames = &at.document.frames;
+    let mut takes: Vec<Vec<usize>> = Vec::new();
     for run in runs(at.document, choice) {
         takes.extend(
             run.chunk_by(|before, after| is_successor(after, before))
-                .map(|take| take.iter().map(|frame| frame.id.clone()).collect()),
+                .map(|take| positions_of(take, frames)),
         );
     }
-    let known: BTreeSet<&FrameId> = takes.iter().flatten().collect();
-    let rest: Vec<&Frame> = at
-        .document
-        .frames
+    let known: BTreeSet<usize> = takes.iter().flatten().copied().collect();
+    let rest: Vec<&Frame> = frames
         .iter()
-        .map(|frame| &**frame)
-        .filter(|frame| !known.contains(&frame.id))
+        .enumerate()
+        .filter(|(position, _)| !known.contains(position))
+        .map(|(_, frame)| &**frame)
         .collect();
     // The rest is a take where it has a camera to write; and where there is no other take, so that
     // the export says why there is nothing.
@@ -239,12 +273,15 @@ pub fn in_takes(
         .any(|frame| frame.ptz.is_some() && is_chosen(frame, choice));
     let is_rest_written = has_numberless || takes.is_empty();
     if is_rest_written {
-        takes.push(rest.iter().map(|frame| frame.id.clone()).collect());
+        takes.push(positions_of(&rest, frames));
     }
     let mut whole: Option<Exported> = None;
     for (index, take) in takes.iter().enumerate() {
-        let mut document = at.document.clone();
-        document.frames.retain(|frame| take.contains(&frame.id));
+        let of_take = take.iter().filter_map(|position| frames.get(*position));
+        let document = Document {
+            frames: of_take.cloned().collect(),
+            ..at.document.clone()
+        };
         let exported = export(document.at(at.folder))?;
         let number = index + 1;
         let mut files = Files::default();
@@ -271,6 +308,16 @@ pub fn in_takes(
             .extend(unsolved.map(|frame| (frame.name(), NOT_SOLVED.to_owned())));
     }
     Ok(whole)
+}
+
+/// The positions of some frames of a document, in its order.
+fn positions_of(some: &[&Frame], frames: &Frames) -> Vec<usize> {
+    let positions = some
+        .iter()
+        .filter_map(|frame| frames.position_of(&frame.id));
+    let mut positions: Vec<usize> = positions.collect();
+    positions.sort_unstable();
+    positions
 }
 
 /// Whether a frame is the next one of the video after another.
@@ -424,6 +471,21 @@ mod tests {
     }
 
     #[test]
+    fn a_filled_frame_has_a_lens_between_those_that_its_neighbours_state() {
+        let mut document = gappy();
+        for (index, x, k1) in [(1, 950.0, 0.1), (2, 980.0, 0.4)] {
+            let focal_px = document.frames[index].ptz.as_ref().unwrap().focal_px;
+            let radial = Radial { k1, k2: 0.0 };
+            let lens = FrameLens::new(focal_px, ImagePoint::new(x, 540.0), radial);
+            document.frames[index].lens = Some(lens);
+        }
+        let (filled, _) = interpolate_gaps(&document, &FrameChoice::default(), 5);
+        let camera = filled.ptz_camera(&filled.frames[2]).unwrap();
+        assert!((camera.base().principal_point.x - 960.0).abs() < 1e-9);
+        assert!((camera.lens().k1 - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
     fn tracks_are_written_with_their_gaps_filled_or_take_by_take() {
         let document = gappy();
         let with = |gaps| ExportOptions {
@@ -442,7 +504,7 @@ mod tests {
         assert!(
             filled
                 .notes
-                .contains(&"2 frames are interpolated, the first 414, the last 415".to_owned()),
+                .contains(&"interpolated: 2 frames, the first 414, the last 415".to_owned()),
             "{:?}",
             filled.notes
         );

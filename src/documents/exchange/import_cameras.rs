@@ -15,7 +15,7 @@ use super::values::shorten;
 use crate::document::path_between;
 use std::collections::BTreeSet;
 use std::path::Path;
-use touchline_core::geometry::ImageSize;
+use touchline_core::geometry::{ImageSize, pluralise};
 
 /// Reads a file or folder of cameras as a document of solved frames. Frames whose camera cannot be
 /// read are in it without one.
@@ -221,8 +221,8 @@ impl ViewReader<'_> {
         notes.extend(self.fitted_sizes.note());
         if self.fitted > 0 {
             notes.push(format!(
-                "{} cameras were fitted to homographies, with the principal point in the middle and no distortion",
-                self.fitted
+                "{} fitted to homographies, with the principal point in the middle and no distortion",
+                pluralise(self.fitted, "camera")
             ));
         }
         notes
@@ -307,7 +307,7 @@ impl SizesBy {
             (self.assumed, &assumed),
         ];
         let said = said.into_iter().filter(|(count, _)| *count > 0);
-        said.map(|(count, by)| format!("the picture size of {count} frames is {by}"))
+        said.map(|(count, by)| format!("the picture size of {} is {by}", pluralise(count, "frame")))
             .collect()
     }
 }

@@ -40,9 +40,7 @@ pub fn import_clicks(
     let images = options.images_folder(folder);
     let options = &options.with_any_size();
     // Some formats state points as shares of the picture, so that its size is needed to read them.
-    let frames = click_format.read(&files, options, &|name| {
-        image_of(name, &images).1.or(options.size)
-    })?;
+    let frames = click_format.read(&files, options, &|name| image_of(name, &images).1)?;
     if frames.is_empty() {
         return Err(no_files(path, "frame"));
     }
@@ -93,12 +91,7 @@ pub fn import_clicks(
             describe_counts(&unmapped)
         ));
     }
-    if !twice.is_empty() {
-        notes.push(format!(
-            "left out because a frame has them more than once: {}",
-            describe_counts(&twice)
-        ));
-    }
+    notes.extend(note_repeated(&twice));
     notes.extend(field_size_note(&field));
     Ok(Imported {
         document,
@@ -158,9 +151,19 @@ fn field_size_note(field: &FieldModel) -> Option<String> {
     })
 }
 
+/// The note about landmarks that occur twice; none where there is none.
+pub fn note_repeated(twice: &BTreeMap<String, usize>) -> Option<String> {
+    (!twice.is_empty()).then(|| {
+        format!(
+            "left out because a frame has them more than once: {}",
+            describe_counts(twice)
+        )
+    })
+}
+
 /// Drops all clicks on a landmark that occurs twice, because it is unknown which one is right. A
 /// line keeps all its clicks.
-fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String, usize>) {
+pub fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String, usize>) {
     // Points of a line may lie anywhere on it, so that several are no contradiction.
     let mut counts: BTreeMap<Target, usize> = BTreeMap::new();
     for target in clicks.iter().filter_map(|click| click.target.clone()) {

@@ -9,7 +9,7 @@ use super::clicked_frame::{
     ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
 };
 use super::error::{ExchangeError, Problem};
-use super::files::Files;
+use super::files::{Files, base_name};
 use super::node::{Node, parse, safe_path};
 use super::options::{ImportOptions, Pixels};
 use serde_json::{Value, json};
@@ -22,6 +22,8 @@ pub struct LabelStudio;
 const KINDS: [&str; 2] = ["keypointlabels", "polygonlabels"];
 /// The length of the prefix of an uploaded file.
 const PREFIX: usize = 8;
+/// What stands before the path of a file in a folder that is connected as storage.
+const LOCAL_FILES: &str = "local-files/?d=";
 
 fn to_json(index: usize, frame: &ClickedFrame) -> Value {
     let (width, height) = (f64::from(frame.size.width), f64::from(frame.size.height));
@@ -53,9 +55,16 @@ fn to_json(index: usize, frame: &ClickedFrame) -> Value {
 /// The file of an image that was uploaded: without its folders and its prefix of hexadecimal
 /// digits.
 fn file_name(path: &str) -> Result<String, Problem> {
-    // Images may be addresses with a query behind them.
-    let path = path.split(['?', '#']).next().unwrap_or(path);
-    let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    // Files of a storage folder are named in the query. Any other query belongs to an address; the
+    // name of a file may have these signs itself.
+    let path = match path.split_once(LOCAL_FILES) {
+        Some((_, file)) => file,
+        None if path.contains("://") || path.starts_with('/') => {
+            path.split(['?', '#']).next().unwrap_or(path)
+        }
+        None => path,
+    };
+    let name = base_name(path);
     // Only names below `upload/` have the prefix; the name of a picture may begin alike.
     let uploaded = name.split_once('-').filter(|(prefix, _)| {
         prefix.len() == PREFIX
@@ -138,7 +147,8 @@ fn read_task(
     let image = file_name(data.key("image")?.text()?)?;
     // Each result states the size of the picture that it was placed in, which is the surest one.
     // An image without results has its size beside its name, if this program wrote it.
-    let mut size = data.find_size("width", "height")?.or_else(|| sizes(&image));
+    let stated = data.find_size("width", "height")?;
+    let mut size = stated.or_else(|| sizes(&image)).or(options.size);
     let mut marks = Vec::new();
     let results: Vec<(Node<'_>, Node<'_>)> =
         if let Some(annotation) = annotation(task, options.annotator.as_deref())? {
@@ -252,6 +262,17 @@ mod tests {
             .as_f64()
             .unwrap();
         assert!((x - 100.0 * 444.681 / 1920.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_file_is_named_by_an_address_a_storage_folder_or_itself() {
+        for (path, name) in [
+            ("https://host/a/0001.jpg?token=1#2", "0001.jpg"),
+            ("/data/local-files/?d=clip/0001.jpg", "0001.jpg"),
+            ("clip#1.jpg", "clip#1.jpg"),
+        ] {
+            assert_eq!(file_name(path).unwrap(), name);
+        }
     }
 
     #[test]

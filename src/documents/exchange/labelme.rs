@@ -48,15 +48,17 @@ fn to_json(frame: &ClickedFrame) -> Value {
 fn read_file(
     bytes: &[u8],
     folder: &str,
-    shift: f64,
+    options: &ImportOptions,
     sizes: &Sizes<'_>,
 ) -> Result<LabelledFrame, Problem> {
+    let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
     let value = parse(bytes)?;
     let root = Node::root(&value);
     let image = format!("{folder}{}", root.key("imagePath")?.image_name()?);
     let stated = root.find_size("imageWidth", "imageHeight")?;
     // labelme counts pixels in the picture as its EXIF orientation shows it. A stated size that
     // differs from the picture's own means that the points are of another orientation or picture.
+    // The size of the options is no picture's own.
     let there = sizes(&image);
     if let (Some(stated), Some(there)) = (stated, there)
         && stated != there
@@ -70,7 +72,8 @@ fn read_file(
             why: "labelme rotates pictures by their EXIF orientation; save it rotated",
         });
     }
-    let size = stated.or(there).ok_or_else(|| size_needed(&image))?;
+    let size = stated.or(there).or(options.size);
+    let size = size.ok_or_else(|| size_needed(&image))?;
     let mut marks = Vec::new();
     for shape in root.key("shapes")?.items()? {
         // Each point of a line is a mark of its label. Boxes, circles and polygons say nothing of a
@@ -89,7 +92,7 @@ fn read_file(
         }
     }
     Ok(LabelledFrame {
-        name: image.clone(),
+        name: without_ending(&image).to_owned(),
         image: Some(image),
         size,
         marks,
@@ -97,6 +100,10 @@ fn read_file(
 }
 
 impl ClickFormat for Labelme {
+    fn name_of(&self, frame: &ClickedFrame) -> String {
+        without_ending(&frame.image).to_owned()
+    }
+
     fn write(
         &self,
         frames: &[ClickedFrame],
@@ -104,8 +111,8 @@ impl ClickFormat for Labelme {
     ) -> Result<Files, ExchangeError> {
         let mut files = Files::default();
         for frame in frames {
-            let stem = without_ending(&frame.image);
-            files.add(format!("{stem}.json"), format!("{:#}\n", to_json(frame)));
+            let name = format!("{}.json", frame.name);
+            files.add(name, format!("{:#}\n", to_json(frame)));
         }
         Ok(files)
     }
@@ -124,7 +131,6 @@ impl ClickFormat for Labelme {
         options: &ImportOptions,
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
         files.read_all(|name, bytes| {
             // labelme means a path from the JSON's own folder. A user who says where the images are
             // need not have sorted them as the files.
@@ -133,7 +139,7 @@ impl ClickFormat for Labelme {
             } else {
                 ""
             };
-            read_file(bytes, folder, shift, sizes).map(Some)
+            read_file(bytes, folder, options, sizes).map(Some)
         })
     }
 }
@@ -141,8 +147,10 @@ impl ClickFormat for Labelme {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::Format;
     use crate::exchange::tests::{SIZE, export_as, text_of, with_clicks};
+    use crate::exchange::{ExportOptions, Format, export};
+    use std::path::Path;
+    use touchline_core::geometry::ImageSize;
 
     #[test]
     fn landmarks_and_lines_come_back_in_corner_pixels() {
@@ -173,6 +181,36 @@ mod tests {
                 read.iter().map(|frame| frame.image.as_deref()).collect();
             assert_eq!(named, wanted.map(Some));
         }
+    }
+
+    #[test]
+    fn pictures_whose_files_would_have_one_name_are_refused() {
+        let mut document = with_clicks();
+        let mut other = (*document.frames[0]).clone();
+        other.id = "other".into();
+        other.image = Some("images/0001.png".to_owned());
+        document.frames.push(other.into());
+        let error = export(
+            document.at(Path::new("/")),
+            Format::Labelme,
+            &ExportOptions::default(),
+        );
+        let said = error.unwrap_err().to_string();
+        assert!(
+            said.starts_with("0001.jpg and 0001.png would both be written as 0001;"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn the_size_of_the_options_contradicts_no_file() {
+        let files = export_as(&with_clicks(), Format::Labelme).files;
+        let options = ImportOptions {
+            size: Some(ImageSize::new(1280, 720)),
+            ..ImportOptions::default()
+        };
+        let read = Labelme.read(&files, &options, &|_| None).unwrap();
+        assert_eq!(read[0].size, SIZE);
     }
 
     #[test]

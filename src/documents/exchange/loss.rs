@@ -81,7 +81,11 @@ impl fmt::Display for Loss {
             "points of the field move by {rms_px:.2} px rms, at most {worst_px:.2} px in {worst_frame}"
         )?;
         if *off_ground > 0 {
-            write!(f, "; {off_ground} landmarks off the ground are left out")?;
+            write!(
+                f,
+                "; {} off the ground left out",
+                pluralise(*off_ground, "point")
+            )?;
         }
         Ok(())
     }
@@ -342,7 +346,7 @@ mod tests {
             joined.to_string(),
             "not held: lens distortion, points off the ground (4 frames); \
              points of the field move by 1.73 px rms, at most 6.00 px in 6; \
-             6 landmarks off the ground are left out"
+             6 points off the ground left out"
         );
     }
 }

@@ -9,7 +9,7 @@
 use super::body_angles::{angles_deg, cam_from_world, world_from_body};
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, text};
+use super::files::{Files, base_name, text};
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use super::held::parts;
 use super::node::{Node, parse};
@@ -382,7 +382,7 @@ fn read_line(
         .transpose()?;
     let name = name_in_sample(&root).map_or_else(
         || number.map_or_else(|| format!("{index:06}"), |number| format!("{number:06}")),
-        ToOwned::to_owned,
+        |name| base_name(name).to_owned(),
     );
     Ok(FrameCamera::new(
         &name,
@@ -618,6 +618,19 @@ mod tests {
             let text = text_of(&files, "camera.jsonl");
             assert_eq!(!text.contains(NAME_KEY), is_in_notes, "{text}");
         }
+    }
+
+    #[test]
+    fn a_name_leads_out_of_no_folder() {
+        let text = text_of(
+            &export_as(&reference(), Format::OpenTrackIo).files,
+            "camera.jsonl",
+        );
+        let moved = text.replace("; 0001\"", "; ../../0001\"");
+        assert_ne!(moved, text);
+        let options = ImportOptions::default();
+        let read = read_line(moved.trim(), &mut Static::default(), &options, 0);
+        assert_eq!(read.unwrap().name, "0001");
     }
 
     #[test]

@@ -10,7 +10,7 @@
 
 use super::cvat::{Element, attribute, number_attribute, parse_annotations};
 use super::error::{ExchangeError, Problem};
-use super::files::{Files, no_files, text, without_ending};
+use super::files::{Files, no_files, stem, text};
 use super::table::{Table, TableRow, number};
 use super::values::frame_number;
 use crate::document::Frame;
@@ -35,7 +35,7 @@ impl PicturePoints {
     /// of its number.
     #[must_use]
     pub fn for_frame(&self, frame: &Frame, position: usize) -> &[ImagePoint] {
-        let name = frame.image.as_deref().map(picture_name);
+        let name = frame.image.as_deref().map(stem);
         let by_name = name.and_then(|name| self.by_name.get(name));
         by_name
             .or_else(|| self.by_number.get(&frame.number_at(position)))
@@ -65,11 +65,6 @@ enum FrameName {
     Picture(String),
 }
 
-/// A picture's name without folders and ending.
-fn picture_name(path: &str) -> &str {
-    without_ending(path.rsplit(['/', '\\']).next().unwrap_or(path))
-}
-
 /// Reads the points of a file in MOT's format, a table, or CVAT's XML.
 ///
 /// # Errors
@@ -93,11 +88,16 @@ fn points_of(bytes: &[u8]) -> Result<PicturePoints, Problem> {
     let first = text.lines().next().unwrap_or_default();
     if text.trim_start().starts_with('<') {
         points_of_cvat(text)
-    } else if first.split(',').any(|column| column.trim() == "frame") {
+    } else if first.split(',').any(is_frame_column) {
         points_of_table(bytes)
     } else {
         points_of_mot(text)
     }
+}
+
+/// Whether a column of a header is that of the frames. Some programs quote every name.
+fn is_frame_column(column: &str) -> bool {
+    column.trim().trim_matches('"') == "frame"
 }
 
 fn points_of_mot(text: &str) -> Result<PicturePoints, Problem> {
@@ -163,7 +163,7 @@ fn frame_of_row(row: &TableRow<'_>) -> Result<FrameName, Problem> {
         Ok(value) => frame_number("frame", value)
             .map(FrameName::Number)
             .map_err(|problem| problem.at_line(row.line())),
-        Err(_) => Ok(FrameName::Picture(picture_name(frame).to_owned())),
+        Err(_) => Ok(FrameName::Picture(stem(frame).to_owned())),
     }
 }
 
@@ -173,7 +173,7 @@ fn points_of_cvat(text: &str) -> Result<PicturePoints, Problem> {
     for element in xml.root_element().children() {
         match element.tag_name().name() {
             "image" => {
-                let name = picture_name(attribute(element, "name")?).to_owned();
+                let name = stem(attribute(element, "name")?).to_owned();
                 for of_image in boxes(element) {
                     points.add(FrameName::Picture(name.clone()), foot_of(of_image)?);
                 }
@@ -237,6 +237,8 @@ mod tests {
         );
         let csv = points_of(b"frame,x,y,w,h\n17,100,200,20,40\n").unwrap();
         assert_eq!(csv.for_frame(&video_frame(17), 0), foot);
+        let quoted = points_of(b"\"frame\", \"x\", \"y\"\n17,110,240\n").unwrap();
+        assert_eq!(quoted.for_frame(&video_frame(17), 0), foot);
         let csv = points_of(b"frame,x,y\nimages/0017.png,110,240\n").unwrap();
         let picture = Frame::from_image("frames/0017.jpg", "main".into(), SIZE);
         assert_eq!(csv.for_frame(&picture, 0), foot);

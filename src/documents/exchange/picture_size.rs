@@ -5,7 +5,7 @@
 //! unchanged with a picture twice as wide, they would be off by up to half a picture.
 
 use super::frame_camera::{FrameCamera, FrameProjection};
-use touchline_core::geometry::{ImageSize, Mat3, Vec3};
+use touchline_core::geometry::{ImageSize, Mat3, Vec3, pluralise};
 
 /// The source of a format's picture size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,10 +35,13 @@ pub fn fit_to_picture(
         return Some((frame.clone(), 1.0));
     };
     // A size that the format does not state may simply be wrong; then the camera already belongs to
-    // the picture.
+    // the picture. A principal point beside the middle hardly gives a size of exactly the picture's
+    // proportions.
     let is_as_it_is = match source {
         SizeSource::Stated => false,
-        SizeSource::PrincipalPoint => has_its_centre_in(frame, picture),
+        SizeSource::PrincipalPoint => {
+            !has_same_proportions(stated, picture) && has_its_centre_in(frame, picture)
+        }
         SizeSource::Assumed => true,
     };
     if is_as_it_is {
@@ -48,6 +51,11 @@ pub fn fit_to_picture(
     // The height may have been rounded in either picture.
     let off_px = (f64::from(stated.height) * factor - f64::from(picture.height)).abs();
     (off_px <= factor.max(1.0)).then(|| (rescale(frame, factor, picture), factor))
+}
+
+/// Whether two sizes have exactly the same proportions, compared as whole numbers.
+pub fn has_same_proportions(a: ImageSize, b: ImageSize) -> bool {
+    u64::from(a.width) * u64::from(b.height) == u64::from(a.height) * u64::from(b.width)
 }
 
 fn has_its_centre_in(frame: &FrameCamera, picture: ImageSize) -> bool {
@@ -98,8 +106,12 @@ impl FittedSizes {
     pub fn note(&self) -> Option<String> {
         let (stated, picture) = self.first?;
         Some(format!(
-            "{} cameras were rescaled to the size of their pictures, the first from {} × {} to {} × {}",
-            self.rescaled, stated.width, stated.height, picture.width, picture.height
+            "{} rescaled to the size of the pictures, the first from {} × {} to {} × {}",
+            pluralise(self.rescaled, "camera"),
+            stated.width,
+            stated.height,
+            picture.width,
+            picture.height
         ))
     }
 }
@@ -169,11 +181,9 @@ mod tests {
             1.0
         );
         let half = camera(HALF, HALF.centre());
-        assert_eq!(
-            fit_to_picture(&half, FULL, SizeSource::PrincipalPoint)
-                .unwrap()
-                .1,
-            2.0
-        );
+        for (picture, factor) in [(FULL, 2.0), (ImageSize::new(1024, 576), 1024.0 / 960.0)] {
+            let (_, by) = fit_to_picture(&half, picture, SizeSource::PrincipalPoint).unwrap();
+            assert_eq!(by, factor);
+        }
     }
 }

@@ -6,7 +6,9 @@ use touchline_core::geometry::ImageSize;
 use touchline_vision::media;
 
 /// Extensions that are tried if a format names a frame without the extension of its image.
-const IMAGE_ENDINGS: [&str; 6] = ["jpg", "png", "jpeg", "JPG", "tif", "bmp"];
+const IMAGE_ENDINGS: [&str; 9] = [
+    "jpg", "png", "jpeg", "JPG", "PNG", "tif", "tiff", "bmp", "webp",
+];
 
 /// The file of a named image within a folder, and its size if it exists.
 #[must_use]
@@ -27,4 +29,19 @@ pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
     // with the commonest ending.
     let first = candidates.first().cloned().unwrap_or_default();
     (found.cloned().unwrap_or(first), size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_of_any_kind_keeps_its_ending() {
+        for name in ["0001.webp", "0001.TIFF", "a.b.jpg"] {
+            let found = image_of(name, Path::new("/no/pictures"));
+            assert_eq!(found, (PathBuf::from(name), None));
+        }
+        let bare = image_of("frame.17", Path::new("/no/pictures"));
+        assert_eq!(bare.0, PathBuf::from("frame.17.jpg"));
+    }
 }

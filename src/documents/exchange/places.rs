@@ -11,6 +11,7 @@
 //! Videos are the same if they have the same path, or the same name and not two existing files of
 //! different lengths. A track that names no video belongs to the only video of the document.
 
+use super::camera_format::file_stem;
 use crate::document::{DocumentAt, Frame, VideoFrame, resolve_path};
 use std::collections::BTreeMap;
 use std::fs;
@@ -162,13 +163,7 @@ fn image_file(frame: &Frame, folder: &Path) -> Option<PathBuf> {
 }
 
 fn image_stem(frame: &Frame) -> Option<String> {
-    let image = frame.image.as_deref()?.replace('\\', "/");
-    Some(
-        Path::new(&image)
-            .file_stem()?
-            .to_string_lossy()
-            .into_owned(),
-    )
+    frame.image.as_deref().map(file_stem)
 }
 
 #[cfg(test)]

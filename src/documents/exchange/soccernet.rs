@@ -17,7 +17,7 @@ use super::unreadable::{FrameCollector, read_frame_files};
 use super::values::{refuse_further_coefficients, refuse_oblong_pixels};
 use serde_json::{Value, json};
 use touchline_core::camera::Radial;
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3, pluralise};
 
 /// The prefix of the files' names, before the frame's name.
 const PREFIX: &str = "camera_";
@@ -276,9 +276,9 @@ impl CameraFormat for SoccerNet {
             .and_then(|frame| Some((frame.pinhole()?.principal_point, frame.size?)));
         let centre = centre.map(|(point, size)| {
             format!(
-                "the principal point of {} frames is off-centre ({}, {} in a picture of {} × {}); readers that rescale take \
+                "the principal point of {} is off-centre ({}, {} in a picture of {} × {}); readers that rescale take \
                  twice the principal point for the size",
-                off.len(),
+                pluralise(off.len(), "frame"),
                 point.x,
                 point.y,
                 size.width,
@@ -340,14 +340,6 @@ impl CameraFormat for SoccerNet {
 impl CameraFormat for PnlCalib {
     fn size_source(&self) -> SizeSource {
         SizeSource::PrincipalPoint
-    }
-
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
-        SoccerNet.write(held, context)
     }
 
     fn file_description(&self) -> &'static str {

@@ -10,6 +10,7 @@ use super::camera_format::has_ending;
 use super::clicked_frame::{
     ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
 };
+use super::coco::range_of;
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, base_name, without_ending};
 use super::labels::SOCCERNET_LINES;
@@ -21,6 +22,9 @@ use touchline_core::geometry::{ImagePoint, ImageSize};
 
 /// The format.
 pub struct SoccerNetLines;
+
+/// The beginning of the classes of curves, which have no ends.
+const CIRCLE: &str = "Circle";
 
 /// A point this little beyond the border, as a share of the picture, is on the border. In 400
 /// pictures 148 points lie up to a tenth of a pixel beyond it, and four up to one.
@@ -40,14 +44,20 @@ fn class_of(click: &Click) -> Option<&'static str> {
 fn annotation(frame: &ClickedFrame, game_state: bool) -> Value {
     let (width, height) = (f64::from(frame.size.width), f64::from(frame.size.height));
     let mut lines = Map::new();
-    // In the order of the classes, so that the same clicks give the same bytes whatever the order
-    // in which they were set.
+    // In the order of the classes, whatever the order in which the lines were clicked.
     for (class, line) in SOCCERNET_LINES {
-        let points: Vec<Value> = frame
+        let mut places: Vec<ImagePoint> = frame
             .clicks
             .iter()
             .filter(|click| matches!(&click.target, Some(Target::Line(id)) if id.as_str() == line))
-            .map(|click| json!({ "x": click.image.x / width, "y": click.image.y / height }))
+            .map(|click| click.image)
+            .collect();
+        if !class.starts_with(CIRCLE) {
+            sort_along(&mut places);
+        }
+        let points: Vec<Value> = places
+            .iter()
+            .map(|place| json!({ "x": place.x / width, "y": place.y / height }))
             .collect();
         if !points.is_empty() {
             lines.insert(
@@ -57,6 +67,20 @@ fn annotation(frame: &ClickedFrame, game_state: bool) -> Value {
         }
     }
     Value::Object(lines)
+}
+
+/// Sorts the points of a straight line from one end to the other: readers take the first and the
+/// last one for its ends, and people click in any order.
+fn sort_along(places: &mut [ImagePoint]) {
+    // Along the side of the picture over which the line extends farther the order is that on the
+    // line.
+    let (left, right) = range_of(places.iter().map(|place| place.x));
+    let (top, bottom) = range_of(places.iter().map(|place| place.y));
+    if right - left >= bottom - top {
+        places.sort_by(|a, b| a.x.total_cmp(&b.x));
+    } else {
+        places.sort_by(|a, b| a.y.total_cmp(&b.y));
+    }
 }
 
 fn read_file(bytes: &[u8], size: ImageSize) -> Result<Vec<Mark>, Problem> {
@@ -102,6 +126,10 @@ impl ClickFormat for SoccerNetLines {
         class_of(click).is_some()
     }
 
+    fn holds_outside(&self) -> bool {
+        false
+    }
+
     fn name_of(&self, frame: &ClickedFrame) -> String {
         without_ending(&frame.image).to_owned()
     }
@@ -135,12 +163,13 @@ impl ClickFormat for SoccerNetLines {
     fn read(
         &self,
         files: &Files,
-        _options: &ImportOptions,
+        options: &ImportOptions,
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         files.read_all(|file, bytes| {
             let path = without_ending(file);
-            let size = sizes(path).ok_or_else(|| size_needed(path))?;
+            let size = sizes(path).or(options.size);
+            let size = size.ok_or_else(|| size_needed(path))?;
             let marks = read_file(bytes, size)?;
             Ok(Some(LabelledFrame {
                 name: path.to_owned(),
@@ -178,6 +207,20 @@ mod tests {
     }
 
     #[test]
+    fn the_ends_of_a_straight_line_are_its_first_and_last_point() {
+        let mut document = with_clicks();
+        for (x, y) in [(450.0, 400.0), (436.0, 900.0), (441.0, 650.0)] {
+            let end = Click::line("halfway_line".into(), ImagePoint::new(x, y));
+            document.frames[0].clicks.push(end);
+        }
+        let exported = export_as(&document, Format::SoccerNetLines);
+        let lines: Value = serde_json::from_str(&text_of(&exported.files, "0001.json")).unwrap();
+        let points = lines["Middle line"].as_array().unwrap();
+        let rows = points.iter().map(|point| point["y"].as_f64().unwrap());
+        assert!(rows.is_sorted(), "{points:?}");
+    }
+
+    #[test]
     fn what_the_camera_shows_is_written_on_request_and_the_space_only_for_one_challenge() {
         let mut document = reference();
         document.frames[0].ptz.as_mut().unwrap().pan_deg = -30.0;
@@ -204,6 +247,25 @@ mod tests {
             with_space.contains("Side line top") && with_space.contains("Circle left"),
             "{with_space}"
         );
+    }
+
+    #[test]
+    fn points_outside_of_the_picture_are_left_out_and_said_so() {
+        let mut document = with_clicks();
+        let beyond = Click::line("halfway_line".into(), ImagePoint::new(1920.5, 700.0));
+        document.frames[0].clicks.push(beyond);
+        let options = ExportOptions {
+            keep_outside: true,
+            ..ExportOptions::default()
+        };
+        let exported = export(
+            document.at(Path::new("/")),
+            Format::SoccerNetLines,
+            &options,
+        );
+        let notes = exported.unwrap().notes;
+        let said = "1 click outside of the picture, left out";
+        assert!(notes.iter().any(|note| note == said), "{notes:?}");
     }
 
     #[test]

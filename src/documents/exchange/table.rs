@@ -85,7 +85,7 @@ impl Table {
         }
         let header: Vec<String> = fields
             .row(0)
-            .map(|number| fields.field(number).to_owned())
+            .map(|number| fields.field(number).trim().to_owned())
             .collect();
         // A field is found by the first column of its name; a second one of the same name would be
         // ignored.

@@ -15,7 +15,7 @@ use crate::document::{
     CameraId, Document, DocumentAt, FieldSpec, Frame, document_to_string, restore_package,
     split_into_packages,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -102,12 +102,14 @@ fn field_of_camera(document: &Document, id: &CameraId) -> Option<FieldSpec> {
 
 fn refuse_outside(at: DocumentAt<'_>) -> Result<(), ExchangeError> {
     let places = OwnPlaces::from_project(at.folder);
+    // Many frames have the same video.
+    let mut seen = BTreeSet::new();
     let outside: Vec<PathBuf> = at
         .document
         .frames
         .iter()
         .flat_map(|frame| files_of(frame, at.folder))
-        .filter(|file| !places.hold(file))
+        .filter(|file| seen.insert(file.clone()) && !places.hold(file))
         .collect();
     match outside.first() {
         Some(first) => Err(ExchangeError::Outside {
@@ -180,7 +182,10 @@ fn copy_or_link(from: &Path, to: &Path, as_link: bool) -> io::Result<()> {
 #[derive(Default)]
 struct Names {
     by_file: BTreeMap<PathBuf, String>,
-    taken: BTreeMap<String, usize>,
+    /// In lower case, because names that differ only in case are equal on many systems.
+    taken: BTreeSet<String>,
+    /// The number with which the search for a free name goes on, by the name in lower case.
+    next: BTreeMap<String, usize>,
 }
 
 impl Names {
@@ -188,24 +193,18 @@ impl Names {
         if let Some(known) = self.by_file.get(file) {
             return known.clone();
         }
-        let [stem, ending] = [file.file_stem(), file.extension()]
-            .map(|part| part.unwrap_or_default().to_string_lossy());
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+        let ending = file.extension().unwrap_or_default().to_string_lossy();
+        let dot = if ending.is_empty() { "" } else { "." };
+        let wanted = format!("{folder}/{stem}{dot}{ending}");
+        let next = self.next.entry(wanted.to_lowercase()).or_insert(1);
         loop {
-            // Names that differ only in case are equal on many systems.
-            let number = self
-                .taken
-                .entry(format!("{stem}.{ending}").to_lowercase())
-                .or_default();
-            *number += 1;
-            let name = match *number {
-                1 => format!("{folder}/{stem}.{ending}"),
-                number => format!("{folder}/{stem}-{number}.{ending}"),
+            let name = match *next {
+                1 => wanted.clone(),
+                number => format!("{folder}/{stem}-{number}{dot}{ending}"),
             };
-            if !self
-                .by_file
-                .values()
-                .any(|known| known.eq_ignore_ascii_case(&name))
-            {
+            *next += 1;
+            if self.taken.insert(name.to_lowercase()) {
                 self.by_file.insert(file.to_path_buf(), name.clone());
                 return name;
             }
@@ -278,6 +277,15 @@ mod tests {
     }
 
     #[test]
+    fn files_keep_their_names_also_without_an_ending() {
+        let mut names = Names::default();
+        let taken = ["/a/match", "/b/match", "/c/MATCH-2", "/a/match"]
+            .map(|file| names.take("videos", Path::new(file)));
+        let wanted = ["match", "match-2", "MATCH-2-2", "match"];
+        assert_eq!(taken, wanted.map(|name| format!("videos/{name}")));
+    }
+
+    #[test]
     fn what_cannot_be_read_or_written_is_named_as_such() {
         let place = tempfile::tempdir().unwrap();
         let (from, in_the_way) = (place.path().join("1.jpg"), place.path().join("file"));
@@ -316,7 +324,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(
-            refused.contains("1 pictures lie outside of the project, the first is "),
+            refused.contains("1 file outside of the project, the first is "),
             "{refused}"
         );
         assert!(!place.path().join("out").exists());

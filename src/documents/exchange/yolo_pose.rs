@@ -102,6 +102,11 @@ fn padded_range(coordinates: impl Iterator<Item = f64>) -> (f64, f64) {
     ((low - PADDING).max(0.0), (high + PADDING).min(1.0))
 }
 
+/// Whether a file lies in a folder of labels.
+fn is_in_labels(file: &str) -> bool {
+    file.contains("labels/")
+}
+
 /// The names of keypoints in a `data.yaml`, where it has some.
 fn names_of(yaml: &str) -> Option<Vec<String>> {
     let (_, behind) = yaml.split_once("kpt_names:")?;
@@ -180,6 +185,10 @@ impl ClickFormat for YoloPose {
         is_keypoint(click, context)
     }
 
+    fn holds_repeated_landmarks(&self) -> bool {
+        false
+    }
+
     fn name_of(&self, frame: &ClickedFrame) -> String {
         without_ending(&frame.image).to_owned()
     }
@@ -222,15 +231,13 @@ impl ClickFormat for YoloPose {
     }
 
     fn is_wanted(&self, name: &str) -> bool {
-        name == DATA
-            || (has_ending(name, "txt") && name.contains("labels/"))
-            || !name.contains('/') && has_ending(name, "txt")
+        name == DATA || (has_ending(name, "txt") && (is_in_labels(name) || !name.contains('/')))
     }
 
     fn read(
         &self,
         files: &Files,
-        _options: &ImportOptions,
+        options: &ImportOptions,
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         let yaml = files
@@ -239,14 +246,20 @@ impl ClickFormat for YoloPose {
             .transpose()
             .map_err(|problem| problem.within(DATA))?;
         let names = yaml.and_then(names_of);
+        // Texts beside the folders of labels say something about the set: `README.roboflow.txt`.
+        let has_folders = files
+            .sorted_entries()
+            .iter()
+            .any(|(file, _)| is_in_labels(file));
         files.read_all(|file, bytes| {
-            if !has_ending(file, "txt") {
+            if !has_ending(file, "txt") || (has_folders && !is_in_labels(file)) {
                 return Ok(None);
             }
             let stem = without_ending(base_name(file));
             let at_image = without_ending(file).replacen("labels/", "images/", 1);
             // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
             let size = sizes(&at_image).or_else(|| sizes(stem));
+            let size = size.or(options.size);
             let size = size.ok_or_else(|| size_needed(&at_image))?;
             // A picture without labels has an empty file.
             let lines = if bytes.is_empty() { "" } else { text(bytes)? };
@@ -325,6 +338,16 @@ mod tests {
         assert_eq!(names_of(indented).unwrap(), ["left", "right"]);
         let block = "kpt_names:\n  0:\n    - left\n    - right\nflip_idx: [1, 0]\n";
         assert_eq!(names_of(block), None);
+    }
+
+    #[test]
+    fn a_text_about_the_set_is_no_label() {
+        let mut files = Files::one("README.roboflow.txt", b"pitch - v1\n".to_vec());
+        files.add("train/labels/a.txt", "0 0.5 0.5 1 1 0.2 0.3 2\n");
+        let read = YoloPose.read(&files, &ImportOptions::default(), &|_| Some(SIZE));
+        let read = read.unwrap();
+        assert_eq!(read.len(), 1);
+        assert_eq!(read[0].image.as_deref(), Some("train/images/a"));
     }
 
     #[test]

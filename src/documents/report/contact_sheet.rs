@@ -78,7 +78,7 @@ pub fn contact_sheet(frames: &[SheetFrame]) -> Result<Option<Vec<u8>>, FigureErr
         );
         // Pictures are pasted in first, so that the shapes cover them: see `png_with_background`.
         pictures.push((small, [pixels(left), pixels(top)]));
-        add_lines_over_picture(&mut drawing.shapes, frame, [left, top]);
+        add_lines_over_picture(&mut drawing.shapes, frame, [left, top], picture_height);
         drawing.shapes.push(Shape::Text {
             text: frame.caption.clone(),
             at: [left + TILE / 2.0, top + picture_height + 11.0],
@@ -105,13 +105,20 @@ fn pixels(length_px: f64) -> u32 {
     (length_px * SCALE).round() as u32
 }
 
-/// Draws the field's lines as the estimated camera projects them.
-fn add_lines_over_picture(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, top]: [f64; 2]) {
+/// Draws the field's lines as the estimated camera projects them, over a picture of this height.
+fn add_lines_over_picture(
+    shapes: &mut Vec<Shape>,
+    frame: &SheetFrame,
+    [left, top]: [f64; 2],
+    height: f64,
+) {
     let Some(camera) = &frame.estimate else {
         return;
     };
-    // The margin is cut off: a line may not leave its tile.
-    let scale = TILE / f64::from(frame.size().width);
+    // A picture of another shape than the tile is stretched, and the lines with it. The margin is
+    // cut off: a line may not leave its tile.
+    let across = TILE / f64::from(frame.size().width);
+    let down = height / f64::from(frame.size().height);
     let options = MarkingOptions {
         margin_px: 0.0,
         ..MarkingOptions::default()
@@ -120,7 +127,7 @@ fn add_lines_over_picture(shapes: &mut Vec<Shape>, frame: &SheetFrame, [left, to
         let points = line
             .points
             .iter()
-            .map(|point| [left + point.x * scale, top + point.y * scale])
+            .map(|point| [left + point.x * across, top + point.y * down])
             .collect();
         shapes.push(Shape::Path {
             points,
@@ -200,5 +207,43 @@ impl FieldMap<'_> {
             self.left + right_m * self.px_per_m,
             self.top + down_m * self.px_per_m,
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::Vec3;
+
+    #[test]
+    fn lines_are_stretched_with_a_picture_of_another_shape() {
+        let soccer = builtin("soccer").unwrap();
+        let field = soccer.model(&BTreeMap::new(), 0.0).unwrap();
+        let size = ImageSize::new(100, 100);
+        let position_m = Vec3::new(0.0, -60.0, 18.0);
+        let rotation = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(position_m, rotation, size.centre());
+        let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -11.0, 100.0));
+        let frame = SheetFrame {
+            picture: RgbImage::new(size.width, size.height),
+            caption: String::new(),
+            field: &field,
+            truth: camera,
+            estimate: Some(camera),
+        };
+        // The near touchline is in the lowest tenth of the square picture.
+        let height = TILE / 2.0;
+        let mut shapes = Vec::new();
+        add_lines_over_picture(&mut shapes, &frame, [0.0, 0.0], height);
+        let mut lowest = 0.0_f64;
+        for shape in shapes {
+            if let Shape::Path { points, .. } = shape {
+                lowest = points.iter().fold(lowest, |low, point| low.max(point[1]));
+            }
+        }
+        assert!((0.9 * height..=height).contains(&lowest), "{lowest}");
     }
 }

@@ -139,17 +139,19 @@ pub fn significant(number: f64) -> String {
         };
         return symbol.to_owned();
     }
-    let magnitude = number.abs();
-    if magnitude == 0.0 {
+    if number == 0.0 {
         return "0".to_owned();
     }
-    if !(1e-6..1e6).contains(&magnitude) {
-        return format!("{number:.3e}");
-    }
-    // The first digit stands at 10^floor(log10), so three more follow it. From 1000 on all digits
-    // before the point are shown, for a zero in their place would be wrong. The range above bounds
-    // the decimals at nine.
-    let digits = (3.0 - magnitude.log10().floor()).clamp(0.0, 9.0) as usize;
+    // The exponent of the rounded number, because rounding may add a digit before the point: 9.9996
+    // is 10.00.
+    let rounded = format!("{number:.3e}");
+    let (_, exponent) = rounded.split_once('e').unwrap_or_default();
+    let Ok(exponent @ -6..6) = exponent.parse::<i32>() else {
+        return rounded;
+    };
+    // Three digits follow the first one, which stands at 10^exponent. From 1000 on all digits
+    // before the point are shown, for a zero in their place would be wrong.
+    let digits = (3 - exponent).max(0) as usize;
     format!("{number:.digits$}")
 }
 
@@ -403,6 +405,7 @@ mod tests {
             1234.5,
             99_999.4,
             0.001_234_56,
+            9.9996,
             -0.5,
             1e-9,
             f64::INFINITY,
@@ -413,8 +416,8 @@ mod tests {
         assert_eq!(
             shown,
             [
-                "0", "1.000", "12.35", "1234", "99999", "0.001235", "-0.5000", "1.000e-9", "∞",
-                "-∞", "–"
+                "0", "1.000", "12.35", "1234", "99999", "0.001235", "10.00", "-0.5000", "1.000e-9",
+                "∞", "-∞", "–"
             ]
         );
     }

@@ -119,12 +119,9 @@ pub(super) fn copy_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
     Ok(free)
 }
 
-/// Copies a file to a name that is not in use. A link that appears there meanwhile is an error.
+/// Copies a file, whole or not at all, to a name that is not in use.
 fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
-    let bytes = fs::read(path)?;
-    let mut copy = calls::make_new(to)?;
-    calls::write_all(&mut copy, &bytes)?;
-    calls::flush(&copy, to)
+    write_new(to, &fs::read(path)?)
 }
 
 /// Writes a new file under the first free name of `path.WORD-1ENDING`, `path.WORD-2ENDING`, ….

@@ -35,11 +35,6 @@ pub(super) fn open(path: &Path) -> io::Result<File> {
     try_call(|| open_regular(path, OpenOptions::new().read(true).write(true).create(true)))
 }
 
-/// Creates a file; an error if the name is in use. A link there is not followed.
-pub(super) fn make_new(path: &Path) -> io::Result<File> {
-    try_call(|| OpenOptions::new().write(true).create_new(true).open(path))
-}
-
 /// Creates a temporary file in a folder.
 pub(super) fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     try_call(|| temporary_file_in(folder))

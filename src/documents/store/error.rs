@@ -12,7 +12,7 @@ use touchline_core::files::{WrongKind, way_out};
 #[non_exhaustive]
 pub enum StoreError {
     /// The operating system refused.
-    #[error("cannot {action} {}: {source}{}", path.display(), way_out(source))]
+    #[error("cannot {action} {}: {source}{}", path.display(), remedy(action, source))]
     Io {
         /// The attempted action, such as "read" or "write".
         action: &'static str,
@@ -133,8 +133,33 @@ impl StoreError {
     }
 }
 
+/// What helps after a failure; nothing where reading failed, which saving elsewhere does not mend.
+fn remedy(action: &str, source: &io::Error) -> &'static str {
+    match action {
+        "find" | "read" => "",
+        _ => way_out(source),
+    }
+}
+
 fn backup_hint(backup: Option<&Path>) -> String {
     backup.map_or_else(String::new, |path| {
         format!("; the version before it is {}", path.display())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn denied(action: &'static str) -> String {
+        let denied = io::ErrorKind::PermissionDenied.into();
+        StoreError::from_io(action, Path::new("/a"), denied).to_string()
+    }
+
+    #[test]
+    fn only_after_a_failed_write_saving_elsewhere_is_advised() {
+        assert_eq!(denied("read"), "cannot read /a: permission denied");
+        let advised = "cannot write /a: permission denied; save elsewhere";
+        assert_eq!(denied("write"), advised);
+    }
 }

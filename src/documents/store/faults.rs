@@ -2,8 +2,8 @@
 //! alone or with all later ones. Afterwards the folder is examined as it is after a kill or after a
 //! power cut.
 
-use super::{Access, DocumentStore as _, Location, Opened, Store, StoreError, open, read};
-use crate::document::{Click, Document, Edit, FieldSpec, Frame, History, Step};
+use super::{Access, DocumentStore as _, Location, Opened, Store, StoreError, open, orphans, read};
+use crate::document::{Click, Document, Edit, FieldSpec, Frame, History, Step, document_to_string};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -466,4 +466,45 @@ fn a_deleted_lock_is_taken_again_unless_another_program_has_the_document() {
         "it is the other program's by now"
     );
     drop(other);
+}
+
+#[test]
+fn an_own_version_is_one_file_and_goes_when_the_document_holds_its_edits() {
+    let folder = project();
+    let place = fs::canonicalize(folder.path()).unwrap();
+    let Opened {
+        access: Access::Writable(mut store),
+        location,
+        ..
+    } = open(&place).unwrap()
+    else {
+        panic!("read-only")
+    };
+    let ours = fs::read(location.file()).unwrap();
+    let mut theirs = start();
+    theirs.frames[0].comment = Some("theirs".to_owned());
+    fs::write(location.file(), document_to_string(&theirs).unwrap()).unwrap();
+    let states = states();
+    assert!(store.keep_own(&states[1]).unwrap().is_some());
+    // The user takes the click back, and clicks again.
+    assert!(store.keep_own(&states[0]).unwrap().is_none());
+    assert!(store.keep_own(&states[2]).unwrap().is_some());
+    assert_eq!(orphans(&location).len(), 1);
+    // The other program puts our version back.
+    fs::write(location.file(), ours).unwrap();
+    store.save(&states[2], &History::default()).unwrap();
+    assert!(orphans(&location).is_empty());
+}
+
+#[test]
+fn a_journal_that_cannot_be_read_is_not_lost_with_the_document_that_is_replaced() {
+    let folder = project();
+    let location = Location::find(folder.path()).unwrap();
+    fs::write(location.journal(), "edits of a newer program\n").unwrap();
+    drop(Store::replace(&location, &start()).unwrap());
+    let kept = folder.path().join("project.json.journal.orphan-1");
+    assert_eq!(
+        fs::read_to_string(kept).unwrap(),
+        "edits of a newer program\n"
+    );
 }

@@ -4,6 +4,7 @@ use super::StoreError;
 use super::atomic::{folder_of, with_suffix};
 use super::file_id::is_same_file;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 pub use touchline_core::files::{PROJECT_FILE, PROJECT_SUFFIX};
 
@@ -23,9 +24,13 @@ impl Location {
         let mut file = path.to_path_buf();
         if fs::metadata(path).map_err(io)?.is_dir() {
             file.push(PROJECT_FILE);
-            if !file.exists() {
-                return Err(StoreError::NoProject {
-                    folder: path.to_path_buf(),
+            if let Err(error) = fs::metadata(&file) {
+                // A folder that may not be searched does not show what it holds.
+                return Err(match error.kind() {
+                    ErrorKind::NotFound => StoreError::NoProject {
+                        folder: path.to_path_buf(),
+                    },
+                    _ => StoreError::from_io("find", &file, error),
                 });
             }
         }
@@ -123,5 +128,24 @@ impl Location {
     #[must_use]
     pub fn lock(&self) -> PathBuf {
         with_suffix(&self.file, ".lock")
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_project_that_cannot_be_reached_is_not_called_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(PROJECT_FILE);
+        // A link to itself leads nowhere, but there is something of that name.
+        std::os::unix::fs::symlink(&file, &file).unwrap();
+        let refusal = Location::find(folder.path()).unwrap_err();
+        assert!(matches!(refusal, StoreError::Io { .. }), "{refusal}");
+        fs::remove_file(&file).unwrap();
+        let refusal = Location::find(folder.path()).unwrap_err();
+        assert!(matches!(refusal, StoreError::NoProject { .. }), "{refusal}");
     }
 }

@@ -31,7 +31,7 @@ impl OwnVersion {
     /// Writes the own version. Replaces the `earlier` one if its file still exists. None if `own`
     /// has no edit that `base` lacks.
     pub fn write(
-        earlier: Option<Self>,
+        earlier: Option<&Self>,
         location: &Location,
         base: &Document,
         own: &Document,
@@ -44,7 +44,7 @@ impl OwnVersion {
         // file is written, so that a document that cannot be serialised leaves the earlier version
         // as it is.
         let path = earlier
-            .map(|earlier| earlier.orphan.path)
+            .map(|earlier| earlier.orphan.path.clone())
             .filter(|path| path.exists());
         let texts = document_to_string(own).and_then(|text| Ok((text, document_to_string(base)?)));
         let (text, base_text) =
@@ -203,7 +203,7 @@ mod tests {
         assert!(path.ends_with("project.json.mine-1") && is_own_version(&location, &path));
         assert!(!is_own_version(&location, &base_of(&path)));
         own.frames[0].comment = Some("more".to_owned());
-        let version = OwnVersion::write(Some(version), &location, &base, &own)
+        let version = OwnVersion::write(Some(&version), &location, &base, &own)
             .unwrap()
             .unwrap();
         assert_eq!(version.as_orphan(), list_own_version(path.clone()).unwrap());

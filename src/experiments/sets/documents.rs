@@ -202,13 +202,13 @@ fn split_by_document(
     if splits.is_empty() {
         return Err(ExperimentError::NothingInCommon);
     }
+    // Of the cameras on both sides: the frames of others are neither trained on nor tested.
+    let training: usize = splits.iter().map(|split| split.training_frames.len()).sum();
+    let testing: usize = splits.iter().map(|split| split.test_frames.len()).sum();
     Ok(FrameSet {
         kind: SetKind::Own,
         seed: 0,
-        title: format!(
-            "own frames, {taught} for training and {} for testing",
-            tested.len()
-        ),
+        title: format!("own frames, {training} for training and {testing} for testing"),
         protocol:
             "The frames of one document are tested against those of the other, camera by camera."
                 .to_owned(),
@@ -273,4 +273,49 @@ fn split_by_clip(
         frames: gathered.frames,
         splits,
     })
+}
+
+#[cfg(test)]
+#[cfg(feature = "opencv")]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Camera, FieldSpec, Frame, FramePtz};
+
+    /// A document with a solved frame of each of these cameras.
+    fn own(folder: &Path, cameras: [&str; 2]) -> OwnDocument {
+        let size = ImageSize::new(64, 36);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for name in cameras {
+            let mut camera = Camera::new(name.into(), size);
+            camera.set_base(&crate::setting::base());
+            document.cameras.push(camera.into());
+            let picture = format!("{name}.png");
+            image::RgbImage::new(size.width, size.height)
+                .save(folder.join(&picture))
+                .unwrap();
+            let mut frame = Frame::from_image(&picture, name.into(), size);
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(50.0, -9.0, 150.0), None));
+            frame.status = FrameStatus::Reference;
+            document.frames.push(frame.into());
+        }
+        OwnDocument {
+            name: String::new(),
+            document,
+            folder: folder.to_path_buf(),
+        }
+    }
+
+    #[test]
+    fn frames_of_a_camera_on_one_side_alone_are_not_counted() {
+        let folder = tempfile::tempdir().unwrap();
+        let documents = OwnDocuments {
+            train: vec![own(folder.path(), ["main", "behind"])],
+            test: Some(own(folder.path(), ["main", "beside"])),
+        };
+        let set = read_own_documents(&documents, &|| {}).unwrap();
+        assert_eq!(set.title, "own frames, 1 for training and 1 for testing");
+    }
 }

@@ -196,8 +196,20 @@ pub fn cramer_rao_bound(
         .map(|here| here.by_ptz.transpose() * here.by_ptz)
         .sum();
     let covariance = information.try_inverse()? * (sigma_px * sigma_px);
-    // The rotation error is a normal vector of two components, pan and tilt. Its mean length is
-    // √(π/2) times the mean of √(uᵀ Σ u) over all directions u.
+    // With the true base, the rotation error consists of pan and tilt alone, about axes at a right
+    // angle. As numbers, pan is multiplied by the cosine of the tilt (`Errors`).
+    Some(Errors {
+        rotation_deg: mean_turn_deg(&covariance, 1.0),
+        pan_tilt_deg: mean_turn_deg(&covariance, camera.ptz().tilt.radians().cos()),
+        focal_px: (covariance[(2, 2)] * std::f64::consts::FRAC_2_PI).sqrt(),
+    })
+}
+
+/// The mean length of the error of pan, times `pan_by`, and tilt, degrees: of a normal vector with
+/// this covariance, radians.
+fn mean_turn_deg(covariance: &Mat3, pan_by: f64) -> f64 {
+    // The mean length of a normal vector of two components is √(π/2) times the mean of √(uᵀ Σ u)
+    // over all directions u.
     // The mean over half a circle, for opposite directions have the same length. The function is
     // smooth and periodic, so that 64 samples give it to many digits.
     let directions = 64;
@@ -205,20 +217,15 @@ pub fn cramer_rao_bound(
         .map(|i| {
             let (sin, cos) =
                 (std::f64::consts::PI * f64::from(i) / f64::from(directions)).sin_cos();
-            let along = covariance[(0, 0)] * cos * cos
-                + 2.0 * covariance[(0, 1)] * sin * cos
+            let by_pan = pan_by * cos;
+            let along = covariance[(0, 0)] * by_pan * by_pan
+                + 2.0 * covariance[(0, 1)] * sin * by_pan
                 + covariance[(1, 1)] * sin * sin;
             along.sqrt()
         })
         .sum::<f64>()
         / f64::from(directions);
-    // With the true base, the rotation error consists of pan and tilt alone.
-    let rotation_deg = (std::f64::consts::FRAC_PI_2.sqrt() * mean_length).to_degrees();
-    Some(Errors {
-        rotation_deg,
-        pan_tilt_deg: rotation_deg,
-        focal_px: (covariance[(2, 2)] * std::f64::consts::FRAC_2_PI).sqrt(),
-    })
+    (std::f64::consts::FRAC_PI_2.sqrt() * mean_length).to_degrees()
 }
 
 #[cfg(test)]
@@ -257,18 +264,18 @@ mod tests {
         assert!(cramer_rao_bound(&camera, &[], 1.0).is_none());
     }
 
-    #[test]
-    fn the_authors_refinement_is_exact_where_their_model_is() {
-        // On the horizon x depends on pan alone, and in the middle column y on tilt alone.
-        let camera = PtzCamera::new(base(), Ptz::from_degrees(40.0, 0.0, 2500.0));
-        let offsets = [
-            (-400.0, 0.0),
-            (300.0, 0.0),
-            (0.0, -200.0),
-            (0.0, 250.0),
-            (150.0, 0.0),
-        ];
-        let seen: Vec<Correspondence> = offsets
+    /// On the horizon x depends on pan alone, and in the middle column y on tilt alone.
+    const CROSS: [(f64, f64); 5] = [
+        (-400.0, 0.0),
+        (300.0, 0.0),
+        (0.0, -200.0),
+        (0.0, 250.0),
+        (150.0, 0.0),
+    ];
+
+    /// What the camera shows at these offsets from the principal point, px.
+    fn seen_at(camera: &PtzCamera, offsets: &[(f64, f64)]) -> Vec<Correspondence> {
+        offsets
             .iter()
             .map(|(x, y)| {
                 let image = camera.base().principal_point.translate(Vec2::new(*x, *y));
@@ -280,7 +287,24 @@ mod tests {
                     on_field: false,
                 }
             })
-            .collect();
+            .collect()
+    }
+
+    #[test]
+    fn in_the_bound_a_turn_of_pan_counts_less_where_the_camera_looks_down() {
+        let [level, steep] = [0.0, -60.0].map(|tilt_deg| {
+            let camera = PtzCamera::new(base(), Ptz::from_degrees(40.0, tilt_deg, 2500.0));
+            cramer_rao_bound(&camera, &seen_at(&camera, &CROSS), 1.0).unwrap()
+        });
+        assert!((level.pan_tilt_deg / level.rotation_deg - 1.0).abs() < 1e-12);
+        // The picture determines pan times its cosine, here 0.5, about as well as tilt.
+        assert!(steep.pan_tilt_deg < 0.8 * steep.rotation_deg, "{steep:?}");
+    }
+
+    #[test]
+    fn the_authors_refinement_is_exact_where_their_model_is() {
+        let camera = PtzCamera::new(base(), Ptz::from_degrees(40.0, 0.0, 2500.0));
+        let seen = seen_at(&camera, &CROSS);
         let start = Ptz::from_degrees(40.5, -0.4, 2400.0);
         let found = refine_by_eq_2(camera.base(), start, &seen, AUTHORS_POINTS);
         let errors = Errors::between(&camera, &PtzCamera::new(*camera.base(), found));

@@ -159,8 +159,11 @@ def main() -> int:
     parser.add_argument("--address", help="the head of a Ray cluster; this machine alone if absent")
     parser.add_argument("--touchline", help="the program on every node, if it is not beside the Python module")
     given = parser.parse_args()
-    with open(given.plan, encoding="utf-8") as file:
-        plan = json.load(file)
+    try:
+        with open(given.plan, encoding="utf-8") as file:
+            plan = json.load(file)
+    except (OSError, ValueError) as error:
+        sys.exit(f"touchline: cannot read the plan {given.plan}: {lines_of(error)[0]}")
     # Nodes have the plan from Ray, at another place. Shards are not named by paths.
     folder = os.path.dirname(os.path.abspath(given.plan))
     for match in plan["matches"]:

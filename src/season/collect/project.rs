@@ -190,8 +190,10 @@ fn bring_up_to_date(
         Access::ReadOnly(reason) => return Ok((document, Some(format!("it is {reason}")))),
     };
     if let Some(camera) = camera_with_other_base(&document, made) {
+        let base = document.camera(&camera).and_then(Camera::base);
+        let base = base.map_or("no base, unlike", |_| "another base than");
         let why = format!(
-            "camera {} has another base than in the parts",
+            "camera {} has {base} in the parts; move its folder away to collect it anew",
             camera.as_str()
         );
         return Ok((document, Some(why)));
@@ -209,8 +211,8 @@ fn bring_up_to_date(
     Ok((updated, None))
 }
 
-/// A camera that both documents have, with different bases: cameras of frames in one mean something
-/// else in the other.
+/// A camera of the parts that has another base in the project, or none there: cameras of frames in
+/// one mean something else in the other.
 fn camera_with_other_base(document: &Document, made: &Document) -> Option<CameraId> {
     made.cameras
         .iter()
@@ -245,8 +247,8 @@ fn merge_frames(project: &Frames, labelled: &[Shared<Frame>]) -> Frames {
     merged.into_iter().collect()
 }
 
-/// A frame of a project with the suggestion of a part, unless a person has worked on it or it is
-/// another camera's there.
+/// A frame of a project with the suggestion of a part, or with what a person did since in the
+/// match's own project; as it is where a person has worked on it, or where it is another camera's.
 fn update_by_part(frame: &Shared<Frame>, part: &Shared<Frame>) -> Shared<Frame> {
     let is_free = frame.shows_suggestion() || frame.is_untouched();
     if !is_free || frame.camera != part.camera {
@@ -257,11 +259,24 @@ fn update_by_part(frame: &Shared<Frame>, part: &Shared<Frame>) -> Shared<Frame> 
     let mut updated = frame.without_suggestion();
     if let Some(suggestion) = Suggestion::in_frame(part, None) {
         suggestion.show_in(&mut updated);
+    } else if !part.is_untouched() {
+        take_label(&mut updated, part);
     }
     if updated == **frame {
         return frame.clone();
     }
     updated.into()
+}
+
+/// Gives a frame what a person did in the same frame of another document.
+fn take_label(frame: &mut Frame, labelled: &Frame) {
+    frame.revision = frame.revision.max(labelled.revision);
+    (frame.status, frame.reason) = (labelled.status, labelled.reason);
+    frame.edited.clone_from(&labelled.edited);
+    frame.clicks.clone_from(&labelled.clicks);
+    frame.lens.clone_from(&labelled.lens);
+    frame.ptz.clone_from(&labelled.ptz);
+    frame.solution.clone_from(&labelled.solution);
 }
 
 #[cfg(test)]
@@ -314,5 +329,31 @@ mod tests {
         assert_eq!(found, wanted);
         let again = merge_frames(&merged, &labelled);
         assert_eq!(again, merged, "nothing changes the second time");
+    }
+
+    #[test]
+    fn what_a_person_did_since_in_the_matchs_own_project_takes_the_suggestions_place() {
+        use FrameStatus::{New, Reference, Rejected, Suggested};
+        let project: Frames = [
+            frame("a", Some(1.0), Suggested),
+            frame("b", None, New),
+            frame("c", Some(1.0), Suggested),
+        ]
+        .into_iter()
+        .collect();
+        let labelled = [
+            frame("a", Some(2.0), Reference),
+            frame("b", None, Rejected),
+            frame("c", None, New),
+        ];
+        let merged = merge_frames(&project, &labelled);
+        let found: Vec<_> = merged
+            .iter()
+            .map(|frame| (frame.status, frame.ptz.as_ref().map(|ptz| ptz.pan_deg)))
+            .collect();
+        assert_eq!(
+            found,
+            [(Reference, Some(2.0)), (Rejected, None), (New, None)]
+        );
     }
 }

@@ -1,7 +1,9 @@
 //! The file of a plan.
 
 use super::shard_id::{FindInput, label_id};
+use crate::season_file::is_folder_name;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -148,7 +150,8 @@ impl Plan {
         }
     }
 
-    /// Reads a plan and checks that every shard is named by what goes into it.
+    /// Reads a plan and checks the names of its matches, and that every shard is named by what goes
+    /// into it.
     ///
     /// # Errors
     /// It cannot be read, is not a plan, or was edited.
@@ -168,6 +171,17 @@ impl Plan {
         }
         if plan.version != VERSION {
             return Err(refuse(format!("it has version {}", plan.version)));
+        }
+        // Ids do not cover the names, which become folders of the collected season: none may lead
+        // out of it, and no two matches may share one.
+        let mut names = BTreeSet::new();
+        for PlannedMatch { name, .. } in &plan.matches {
+            if !is_folder_name(name) {
+                return Err(refuse(format!("{name:?} cannot be the name of a match")));
+            }
+            if !names.insert(name.to_lowercase()) {
+                return Err(refuse(format!("{name:?} is the name of two matches")));
+            }
         }
         let edited = plan
             .matches

@@ -16,13 +16,13 @@ use touchline_calibration::pipelines::{
     label_match, learn_forest, learn_from_found,
 };
 use touchline_calibration::proposals::{
-    FeatureStore, FramePictures, LearnOptions, TrainingFrames, adopt_bases,
+    FeatureStore, FramePictures, LearnError, LearnOptions, TrainingFrames, adopt_bases,
 };
 use touchline_core::files::read_named;
 use touchline_documents::document::{Document, document_from_bytes};
 use touchline_documents::store;
 use touchline_vision::media::{FrameReader, sha256_of_bytes};
-use touchline_vision::relocalize::ForestModel;
+use touchline_vision::relocalize::{ForestModel, Stopped};
 
 /// Maximum size of a forest's file, bytes.
 const MAX_FOREST_BYTES: u64 = 8 << 30;
@@ -92,6 +92,7 @@ impl Work<'_> {
             return Err(ShardError::FileChanged { path });
         }
         let mut document = document.relocate(location.folder(), &self.source.folder);
+        self.source.name_without_links(&mut document);
         if let Some(forest) = &self.of_match.forest {
             let forest = self.read_forest(forest, &mut document)?;
             let about = self.about(&document);
@@ -130,7 +131,8 @@ impl Work<'_> {
         let forest = match learnt {
             Ok(Some(learnt)) => learnt.model.to_bytes(),
             Ok(None) => return Err(ShardError::Stopped),
-            Err(error @ LearnForestError::NoneUsable { .. }) => {
+            // This is a result, too: another try would end in the same way.
+            Err(error) if has_nothing_to_learn_from(&error) => {
                 about.reason = Some(format!("no forest could be trained: {error}"));
                 Vec::new()
             }
@@ -187,6 +189,16 @@ impl Work<'_> {
         adopt_bases(document, &of_forest, &model)?;
         Ok(bytes)
     }
+}
+
+/// Whether there is no forest because no frame can be used for one: there is no reference, or none
+/// of the frames found lies on its paint.
+const fn has_nothing_to_learn_from(error: &LearnForestError) -> bool {
+    matches!(
+        error,
+        LearnForestError::NoneUsable { .. }
+            | LearnForestError::Learn(LearnError::Stopped(Stopped::NoSamples { .. }))
+    )
 }
 
 /// A forest of a file or part.

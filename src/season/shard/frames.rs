@@ -8,7 +8,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    CameraId, Document, FieldSpec, Frame, Shared, VideoFrame, document_from_frames,
+    CameraId, Document, FieldSpec, Frame, Shared, VideoFrame, document_from_frames, path_between,
+    resolve_path,
 };
 use touchline_vision::media::{FrameRef, FrameSource, MediaError, VideoInfo};
 
@@ -40,6 +41,37 @@ impl OpenSource {
                 self.number_of_image.get(&*path).copied()
             }
             _ => None,
+        }
+    }
+
+    /// Names frames of a project that lead to the match through a link as parts name them. They
+    /// would else count as other pictures, and the match's own would be labelled beside them.
+    pub(super) fn name_without_links(&self, document: &mut Document) {
+        for frame in &mut document.frames {
+            if self.number_of(frame).is_some() {
+                continue;
+            }
+            match frame.picture_source(&self.folder) {
+                Some(FrameRef::Image(path)) => {
+                    // The links of its folder alone, for an image of the match may be one itself.
+                    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
+                        continue;
+                    };
+                    let real = resolve_path(folder).join(name);
+                    if self.number_of_image.contains_key(&real) {
+                        frame.image = Some(path_between(&self.folder, &real));
+                    }
+                }
+                Some(FrameRef::Video { path, .. }) => {
+                    if let FrameSource::Video(info) = &self.frames
+                        && resolve_path(&path) == *info.path
+                        && let Some(video) = &mut frame.video
+                    {
+                        video.path.clone_from(&self.name);
+                    }
+                }
+                None => {}
+            }
         }
     }
 }
@@ -125,6 +157,31 @@ pub(super) fn camera_of(runs: &[CameraRun], number: usize) -> Option<CameraId> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn frames_of_a_project_that_lead_to_the_match_through_a_link_are_of_the_match() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().canonicalize().unwrap();
+        let images = folder.join("disk/north");
+        std::fs::create_dir_all(&images).unwrap();
+        image::RgbImage::new(8, 8)
+            .save(images.join("1.png"))
+            .unwrap();
+        std::os::unix::fs::symlink(&images, folder.join("linked")).unwrap();
+        let source = OpenSource::open(folder.join("disk"), "north".to_owned()).unwrap();
+        let size = touchline_core::geometry::ImageSize::new(8, 8);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for image in ["../linked/1.png", "../other/1.png"] {
+            let frame = Frame::from_image(image, "main".into(), size);
+            document.frames.push(frame.into());
+        }
+        source.name_without_links(&mut document);
+        let named = document.frames.iter().map(|frame| frame.image.as_deref());
+        let named: Vec<_> = named.flatten().collect();
+        assert_eq!(named, ["north/1.png", "../other/1.png"]);
+        assert_eq!(source.number_of(&document.frames[0]), Some(0));
+    }
 
     #[test]
     fn every_frame_has_the_camera_of_its_run() {

@@ -128,6 +128,16 @@ fn describe_shown_base(keys: &Keymap) -> String {
     format!("Picture and numbers show this base.{hint}")
 }
 
+/// The median and the 90 % quantile of errors, px. The quantile is infinite where a tenth of the
+/// points has no projection.
+fn describe_fit(median_px: f64, p90_px: f64) -> String {
+    if p90_px.is_finite() {
+        format!("{median_px:.1} px median, {p90_px:.1} px 90 %")
+    } else {
+        format!("{median_px:.1} px median, 10 % or more out of view")
+    }
+}
+
 /// Shows the numbers of an estimate with their 1-σ. Lengths are m in the field's frame, fits are
 /// px.
 fn summary(ui: &mut Ui, found: &EstimatedBase) {
@@ -139,7 +149,7 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
             ui.label(RichText::new(value).color(ui.palette().strong)).on_hover_text(tip);
             ui.end_row();
         };
-        let fit = format!("{:.1} px median, {:.1} px 90 %", estimate.median_px, estimate.p90_px);
+        let fit = describe_fit(estimate.median_px, estimate.p90_px);
         row("Points fit", fit, "The distances of all points from their projections with this base.");
         // The median is infinite where the current base gives no frame a camera.
         if let Some(before) = estimate.previous_median_px.filter(|px| px.is_finite()) {
@@ -149,8 +159,9 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
         // the base of the points alone. Both are measured at paint that no fit has used.
         if let Some(on_paint) = &found.on_paint {
             let seen = &on_paint.seen;
-            let places = format!("{} places, {} lines, {} frames", seen.places, seen.lines, seen.frames);
-            row("Paint seen", places, "Where painted lines were used.");
+            let counts = [(seen.places, "place"), (seen.lines, "line"), (seen.frames, "frame")];
+            let seen_in = counts.map(|(count, noun)| pluralise(count, noun)).join(", ");
+            row("Paint seen", seen_in, "Where painted lines were used.");
             for (name, errors, tip) in [
                 (
                     "Paint fits",
@@ -193,6 +204,13 @@ mod tests {
             describe_readiness(&ready),
             "1 frame, 12,345 points, 1,000 left out"
         );
+    }
+
+    #[test]
+    fn points_without_a_projection_are_said_to_be_out_of_view() {
+        assert_eq!(describe_fit(1.5, 3.0), "1.5 px median, 3.0 px 90 %");
+        let text = "1.5 px median, 10 % or more out of view";
+        assert_eq!(describe_fit(1.5, f64::INFINITY), text);
     }
 
     #[test]

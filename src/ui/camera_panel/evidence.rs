@@ -17,6 +17,7 @@ use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
 use touchline_application::app::{Action, EditAction};
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::field::Symmetry;
+use touchline_core::geometry::pluralise;
 use touchline_core::solve::base::{DisputedClick, MirroredFrame};
 use touchline_documents::document::{Camera, CameraId, Frame, Target};
 
@@ -54,8 +55,11 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
             let mark = if chosen { "•" } else { "  " };
             let tip = "The error of each model on points that it was not fitted to. The marked model was chosen.";
             ui.label(RichText::new(format!("{mark} {}", score.model)).color(colour)).on_hover_text(tip);
-            ui.label(RichText::new(format!("{:.2} px", score.median_px)).color(colour));
-            ui.label(RichText::new(format!("{:.2} px", score.p90_px)).color(colour));
+            // Infinite where nothing could be held out.
+            for px in [score.median_px, score.p90_px] {
+                let says = if px.is_finite() { format!("{px:.2} px") } else { "–".to_owned() };
+                ui.label(RichText::new(says).color(colour));
+            }
             ui.end_row();
         }
     });
@@ -146,7 +150,8 @@ fn rows_of_frames(
         };
         let name = short_name(frame);
         let landmarks = frame.landmark_clicks();
-        let value = px.map_or_else(|| format!("{landmarks} pts"), |px| format!("{px:.1} px"));
+        let points = pluralise(landmarks, "pt");
+        let value = px.map_or(points, |px| format!("{px:.1} px"));
         let bar = Bar {
             name: &name,
             value: &value,
@@ -160,8 +165,9 @@ fn rows_of_frames(
         };
         let (rect, response) = bar.show(ui);
         let response = response.on_hover_text(format!(
-            "{}: {landmarks} landmarks. Click to go there.",
-            frame.name()
+            "{}: {}. Click to go there.",
+            frame.name(),
+            pluralise(landmarks, "landmark")
         ));
         if response.clicked() {
             panel.go_to(index);
@@ -265,8 +271,9 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
         };
         let (_, response) = bar.show(ui);
         let tip = format!(
-            "{name}: {} points, the worst {:.1} px off. Click to go there.",
-            fit.clicks, fit.worst_px
+            "{name}: {}, the worst {:.1} px off. Click to go there.",
+            pluralise(fit.clicks, "point"),
+            fit.worst_px
         );
         if response.on_hover_text(tip).clicked() {
             panel.go_to_click(fit.worst.0, fit.worst.1);
@@ -350,9 +357,14 @@ fn show_mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFr
             "Replace every name of this frame with that of the opposite corner.",
         ),
     };
+    // Infinite without a camera.
+    let named = match mirrored.median_px {
+        px if px.is_finite() => format!("{px:.0} px as named"),
+        _ => "no camera as named".to_owned(),
+    };
     let text = format!(
-        "{name} looks mirrored ({sides}): {:.0} px as named, {:.1} px mirrored.",
-        mirrored.median_px, mirrored.median_mirrored_px
+        "{name} looks mirrored ({sides}): {named}, {:.1} px mirrored.",
+        mirrored.median_mirrored_px
     );
     remark(ui, &text, |ui| {
         if ui.add(Button::new("Go there").small()).clicked() {

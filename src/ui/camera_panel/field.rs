@@ -197,7 +197,7 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
                     ("Confirm", Command::ConfirmFieldSize),
                     ("Fit", Command::FitFieldSize),
                 ] {
-                    panel.run_on_click(ui.add(Button::new(word).small()), command);
+                    panel.command_button(ui, Button::new(word).small(), command);
                 }
             });
             return;

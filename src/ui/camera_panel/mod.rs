@@ -23,7 +23,7 @@ use super::{
 use egui::{Button, Frame, Label, Margin, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::{Action, Command, EditAction};
 use touchline_core::camera::BaseAngles;
-use touchline_core::geometry::{Angle, Vec3};
+use touchline_core::geometry::{Angle, Vec3, pluralise, thousands};
 use touchline_documents::document::Camera;
 
 /// Where fitting by eye begins, behind the near touchline at the halfway line: distance from the
@@ -157,21 +157,17 @@ fn show_frame_count(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let selected = panel.app.session.frames_selected.len();
     let (all, cameras) = (open.document.frames.len(), open.document.cameras.len());
     let description = match selected {
-        0 if cameras == 1 => format!("All {all} frames"),
-        0 => format!("{frames} of {all} frames"),
-        selected => format!("{selected} frames selected"),
+        0 if cameras == 1 => format!("All {}", pluralise(all, "frame")),
+        0 => format!("{} of {}", thousands(frames), pluralise(all, "frame")),
+        selected => format!("{} selected", pluralise(selected, "frame")),
     };
     numbers::line(
         ui,
         &description,
         "The frames of this camera. Shift-click or Ctrl-click on the filmstrip selects some.",
         |ui| {
-            let command = Command::AssignToCamera;
-            let give = ui.add_enabled(
-                panel.app.why_not(command).is_none(),
-                Button::new("Assign to camera…").small(),
-            );
-            panel.run_on_click(give, command);
+            let give = Button::new("Assign to camera…").small();
+            panel.command_button(ui, give, Command::AssignToCamera);
         },
     );
 }

@@ -42,10 +42,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     else {
         return;
     };
+    let open = panel.app.open();
+    let text = open.map_or_else(String::new, |open| change.describe(&open.document));
     ui.add_space(theme::SPACE);
-    remark(ui, &change.describe(), |ui| {
-        let split = ui.add(Button::new("New camera from here").small());
-        panel.run_on_click(split, Command::NewCameraFromChange);
+    remark(ui, &text, |ui| {
+        let split = Button::new("New camera from here").small();
+        panel.command_button(ui, split, Command::NewCameraFromChange);
         if ui.add(Button::new("Go there").small()).clicked() {
             panel.go_to(change.frame);
         }

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use touchline_application::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
 use touchline_application::app::{Action, Command, EditAction, ViewAction};
 use touchline_calibration::proposals::ExpectedWrong;
+use touchline_core::geometry::pluralise;
 
 /// Size of the dialog, points.
 const SIZE: egui::Vec2 = vec2(760.0, 560.0);
@@ -66,6 +67,7 @@ fn describe(panel: &Panel<'_>, sheet: &AcceptSheet) -> String {
             let says = left.describe(sheet.bulk.ticked_rows().count(), open);
             match sheet.bulk.late {
                 0 => says,
+                1 => format!("{says} 1 changed since it was counted and stays."),
                 late => format!("{says} {late} changed since they were counted and stay."),
             }
         }
@@ -95,8 +97,7 @@ fn describe_suggestions(
         });
         return format!("No suggestion has this confidence.{best}");
     };
-    let count = bulk.ticked_rows().count();
-    let plural = if count == 1 { "" } else { "s" };
+    let count = pluralise(bulk.ticked_rows().count(), "suggestion");
     let shown = if bulk.preview().len() < bulk.rows.len() {
         "The most doubtful and samples of the others are shown"
     } else {
@@ -105,10 +106,10 @@ fn describe_suggestions(
     let expected = describe_wrong(expected_wrong);
     let late = match bulk.late {
         0 => String::new(),
-        late => format!(" {late} more came since; they wait for the next time."),
+        late => format!(" {late} more came since and must wait for the next time."),
     };
     format!(
-        "{count} suggestion{plural}, {expected}. {shown}, from {} on.{late}",
+        "{count}, {expected}. {shown}, from {} on.{late}",
         percent(lowest)
     )
 }
@@ -279,20 +280,19 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
     } else {
         "Leave them as suggestions. (Esc)"
     };
-    let undo = panel.app.settings.keys.key_label(Command::Undo);
+    let keys = &panel.app.settings.keys;
+    let undo = keys.with_key(Command::Undo, |key| format!(" {key} undoes all of it."));
     if accept
-        .on_hover_text(format!(
-            "Accept all of these at once. {undo} undoes it. (Enter)"
-        ))
+        .on_hover_text(format!("Accept all of these at once.{undo} (Enter)"))
         .clicked()
     {
         panel.actions.push(Action::Edit(EditAction::AcceptAll));
     }
     cancel(panel, ui, leave);
     let said = if bulk.of_stretch.is_some() {
-        format!("They become references. {undo} undoes all of it.")
+        format!("They become references.{undo}")
     } else {
-        format!("They become labels that are not used for training. {undo} undoes all of it.")
+        format!("They become labels that are not used for training.{undo}")
     };
     ui.add(Label::new(RichText::new(said).small().color(ui.palette().weak)).truncate());
 }

@@ -10,6 +10,7 @@ use egui::{Button, Context, Label, vec2};
 use std::time::Duration;
 use touchline_application::app::operations::describe_found;
 use touchline_application::app::{Action, Command, ViewAction, describe_estimate};
+use touchline_core::geometry::pluralise;
 
 /// Height of the map as a share of the window's.
 const MAP: f32 = 0.55;
@@ -58,7 +59,8 @@ fn next(panel: &Panel<'_>) -> String {
     let time = Duration::from_secs_f64(SECONDS_A_FRAME * left as f64);
     format!(
         "Next: accept those that are right. The forest learns from them and proposes the cameras \
-         of the other {left} frames: {}.",
+         of {}: {}.",
+        pluralise(left, "other frame"),
         describe_estimate(time)
     )
 }

@@ -40,6 +40,10 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 let place = typed.parse::<FrameOrTime>();
                 let entered =
                     response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                if entered && place.is_err() {
+                    // The user goes on to correct the text.
+                    response.request_focus();
+                }
                 let go = ui.add_enabled(
                     place.is_ok(),
                     Button::new("Go").fill(ui.palette().accent_ground),

@@ -6,20 +6,13 @@ use crate::ui::{
     theme::{self, Themed as _},
 };
 use egui::{Button, Context, Label, RichText, ScrollArea, vec2};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::Command;
 
 /// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Messages", vec2(640.0, 460.0), |panel, ui| {
-        let command = Command::DismissNotices;
-        let why_not = panel.app.why_not(command);
-        let dismiss = ui.add_enabled(why_not.is_none(), Button::new(command.name()));
-        let dismiss = dismiss
-            .on_hover_text(command.about())
-            .on_disabled_hover_text(why_not.unwrap_or_default());
-        if dismiss.clicked() {
-            panel.actions.push(Action::Command(command));
-        }
+        let dismiss = Command::DismissNotices;
+        panel.command_button(ui, Button::new(dismiss.name()), dismiss);
         ui.add_space(theme::SPACE);
         ScrollArea::vertical()
             .auto_shrink([false, true])

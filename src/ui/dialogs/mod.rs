@@ -29,7 +29,7 @@ mod transfer;
 pub use keys::captures_keys;
 
 use super::{
-    Panel,
+    Panel, key_in_brackets,
     menu::is_on,
     symbol,
     theme::{self, Themed as _},
@@ -205,9 +205,9 @@ fn to_guide(panel: &mut Panel<'_>, ui: &mut Ui) {
         return;
     };
     let button = Button::new(RichText::new("Guide").small().color(ui.palette().weak)).small();
-    let key = panel.app.settings.keys.key_label(Command::Guide);
+    let key = key_in_brackets(&panel.app.settings.keys, Command::Guide);
     let tip = format!(
-        "Open the user guide at “{}”; closing it leads back here. ({key})",
+        "Open the user guide at “{}”; closing it leads back here.{key}",
         page.title()
     );
     if ui

@@ -3,7 +3,7 @@
 use super::{floating, swatches};
 use crate::ui::{Panel, theme};
 use egui::{Button, Context, Grid, Slider, Ui};
-use touchline_application::app::{Action, SettingsAction};
+use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::{OverlayStyle, Sport};
 
 /// Shows the dialog.
@@ -12,7 +12,11 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         colour(panel, ui);
         let before = panel.app.settings.overlay;
         let mut style = before;
-        controls(ui, &mut style);
+        let keys = &panel.app.settings.keys;
+        let hide = keys.with_key(Command::HideOverlay, |key| {
+            format!("; hold {key} to hide the lines")
+        });
+        controls(ui, &mut style, &format!("1 is solid{hide}."));
         if style != before {
             panel
                 .actions
@@ -46,8 +50,9 @@ fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.add_space(2.0 * theme::SPACE);
 }
 
-/// The sliders and switches, and the button that restores the defaults.
-fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
+/// The sliders and switches, and the button that restores the defaults. `opacity` is the tooltip of
+/// the opacity.
+fn controls(ui: &mut Ui, style: &mut OverlayStyle, opacity: &str) {
     Grid::new("overlay style")
         .num_columns(2)
         .spacing([12.0, 8.0])
@@ -59,12 +64,7 @@ fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
                     0.5..=12.0,
                     "The width of a line on the screen, points.",
                 ),
-                (
-                    "Opacity",
-                    &mut style.opacity,
-                    0.05..=1.0,
-                    "1 is solid; hold H to hide the lines.",
-                ),
+                ("Opacity", &mut style.opacity, 0.05..=1.0, opacity),
                 (
                     "Outline",
                     &mut style.outline,
@@ -96,7 +96,7 @@ fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
         ..OverlayStyle::default()
     };
     let reset = ui.add_enabled(*style != delivered, Button::new("Reset to defaults"));
-    let reset = reset.on_hover_text("Restore width, opacity and outline.");
+    let reset = reset.on_hover_text("Restore everything but the colour.");
     if reset
         .on_disabled_hover_text("These are the defaults.")
         .clicked()

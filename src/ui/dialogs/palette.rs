@@ -3,6 +3,7 @@
 use super::{curtain, fuzzy, has_just_opened};
 use crate::ui::{
     Panel,
+    labels::lay_out_within,
     theme::{self, Themed as _},
 };
 use egui::{
@@ -195,24 +196,29 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
         FontId::proportional(13.5),
         name,
     );
-    // Beside the name: its menu, or why it is not available.
-    let beside = why_not.unwrap_or_else(|| command.group().title());
-    painter.text(
-        pos2(end.right() + 10.0, middle),
-        Align2::LEFT_CENTER,
-        beside,
-        FontId::proportional(11.0),
-        ui.palette().weak,
-    );
     let key = app.settings.keys.key_label(command);
-    painter.text(
+    let key = painter.text(
         pos2(rect.right() - 8.0, middle),
         Align2::RIGHT_CENTER,
         key,
         FontId::monospace(12.0),
         ui.palette().text,
     );
-    response.on_hover_text(command.about()).clicked()
+    // Beside the name: its menu, or why it is not available, cut where the key begins.
+    let beside = why_not.unwrap_or_else(|| command.group().title());
+    let left = end.right() + 10.0;
+    let galley = lay_out_within(
+        painter,
+        beside.to_owned(),
+        FontId::proportional(11.0),
+        ui.palette().weak,
+        (key.left() - 10.0 - left).max(0.0),
+    );
+    let at = pos2(left, middle - galley.size().y / 2.0);
+    painter.galley(at, galley, ui.palette().weak);
+    let about = command.about();
+    let tip = why_not.map_or_else(|| about.to_owned(), |reason| format!("{about} {reason}"));
+    response.on_hover_text(tip).clicked()
 }
 
 #[cfg(test)]

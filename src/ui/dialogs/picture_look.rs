@@ -53,10 +53,10 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         if reset.clicked() {
             look = default;
         }
-        let tip = format!(
-            "{} opens and closes this.",
-            panel.app.settings.keys.key_label(Command::PictureLook)
-        );
+        let keys = &panel.app.settings.keys;
+        let tip = keys.with_key(Command::PictureLook, |key| {
+            format!("{key} opens and closes this.")
+        });
         ui.label(RichText::new(tip).small().color(ui.palette().weak));
         if look != before {
             panel

@@ -56,7 +56,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     group(ui, "MORE", |ui| {
                         ui.horizontal(|ui| {
                             for command in MORE {
-                                panel.run_on_click(ui.button(command.name()), command);
+                                panel.command_button(ui, Button::new(command.name()), command);
                             }
                         });
                     });

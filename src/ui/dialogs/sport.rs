@@ -12,6 +12,7 @@ use egui::{
 };
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::field::{FieldModel, builtin, builtin_names};
+use touchline_core::geometry::pluralise;
 
 /// Size of a drawing with its name, points.
 const CARD: egui::Vec2 = vec2(150.0, 132.0);
@@ -76,8 +77,8 @@ fn cost(app: &App) -> String {
     match app.points_of_field() {
         0 => "Which sport is it? Until points are named, changing it costs nothing.".to_owned(),
         points => format!(
-            "{points} point{} of this project {} a landmark or line of the current field. Another field does not have these names: the points have to be named again. One step of undo.",
-            if points == 1 { "" } else { "s" },
+            "{} of this project {} a landmark or line of the current field. Another field does not have these names: the points have to be named again. One step of undo.",
+            pluralise(points, "point"),
             if points == 1 { "names" } else { "name" },
         ),
     }

@@ -16,14 +16,15 @@ use touchline_application::app::{Action, Navigation};
 /// Offset between the sheets of the stack, points.
 const SHEET: f32 = 3.0;
 
-/// Shows the cell as a stack of sheets with the number of frames. A click shows the frame in the
-/// middle, which splits the run.
+/// Shows the cell as a stack of sheets with the number of frames. A click shows the `middle` frame,
+/// which splits the run.
 ///
 /// `(first, last)` are positions in the document; a filter may hide some frames between them.
 pub fn show(
     panel: &mut Panel<'_>,
     ui: &Ui,
     (first, last): (usize, usize),
+    middle: usize,
     count: usize,
     place: Rect,
 ) {
@@ -32,7 +33,6 @@ pub fn show(
     let (from, to) = (open.frame_number(first), open.frame_number(last));
     let said = format!("{count} frames without an answer, {from} to {to}");
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
-    let middle = first.midpoint(last);
     let painter = ui.painter();
     let picture = Rect::from_min_max(
         place.min,
@@ -96,7 +96,7 @@ pub fn show(
     if response.on_hover_text(tip).clicked() {
         let navigation = if ui.input(|input| input.modifiers.shift) {
             // The range goes from the shown frame to the far end of the run, so that all of it is
-            // selected. The shown frame is never within the run.
+            // selected. The shown frame is within the run only if the filter hides it.
             let is_before = last < panel.app.session.frame;
             Navigation::SelectFrame {
                 frame: if is_before { first } else { last },

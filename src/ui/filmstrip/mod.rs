@@ -10,6 +10,7 @@ use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilde
 use strip::{Strip, StripCell};
 use touchline_application::app::session::Filter;
 use touchline_application::app::{Action, ViewAction};
+use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::FrameStatus;
 
 /// Width of the column with the filter, points.
@@ -72,13 +73,12 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
         .on_hover_text("Which frames the filmstrip shows.");
     // How far the work is.
     let references = counts.count_with_status(FrameStatus::Reference);
-    let plural = if references == 1 { "" } else { "s" };
-    ui.label(RichText::new(format!("{references} reference{plural}")).small())
+    ui.label(RichText::new(pluralise(references, "reference")).small())
         .on_hover_text("Frames that you have accepted.");
     let reasons = counts.describe_to_do();
     let needed = match counts.to_do {
         0 => "all done".to_owned(),
-        needed => format!("{needed} to do"),
+        needed => format!("{} to do", thousands(needed)),
     };
     let tip = "Frames that are neither accepted nor marked as not calibratable";
     ui.label(RichText::new(needed).small().color(ui.palette().weak))
@@ -105,7 +105,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
         return;
     }
     // Where to scroll, from what the strip showed before.
-    let memory = Id::unique("filmstrip shows");
+    let memory = Id::unique(("filmstrip shows", &open.file));
     let before = ui.data(|data| data.get_temp::<PreviousStripView>(memory));
     let mut area = ScrollArea::horizontal().auto_shrink(false);
     if let Some(offset) = offset(
@@ -130,9 +130,12 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             match strip.cells[at] {
                 StripCell::Frame(frame) => item::show(panel, ui, frame, place(at)),
-                StripCell::Unanswered { first, last, count } => {
-                    fold::show(panel, ui, (first, last), count, place(at));
-                }
+                StripCell::Unanswered {
+                    first,
+                    last,
+                    middle,
+                    count,
+                } => fold::show(panel, ui, (first, last), middle, count, place(at)),
             }
         }
     });

@@ -30,6 +30,8 @@ pub enum StripCell {
         first: usize,
         /// The last frame.
         last: usize,
+        /// The frame in the middle of those that the filter shows.
+        middle: usize,
         /// Their number. Fewer than `last - first + 1` if the filter hides some.
         count: usize,
     },
@@ -288,11 +290,12 @@ fn fold(cells: &mut Vec<StripCell>, run: usize) {
     }
     // The cells of the run are still single frames; `new` folds a run before it begins another.
     let begin = cells.len() - run;
-    let (first, last) = (cells[begin].last(), cells[cells.len() - 1].last());
+    let [first, middle, last] = [0, (run - 1) / 2, run - 1].map(|at| cells[begin + at].last());
     cells.truncate(begin);
     cells.push(StripCell::Unanswered {
         first,
         last,
+        middle,
         count: run,
     });
 }
@@ -447,9 +450,10 @@ mod tests {
                 ..Solution::default()
             });
         }
-        let fold = |first, last| StripCell::Unanswered {
+        let fold = |first: usize, last| StripCell::Unanswered {
             first,
             last,
+            middle: first.midpoint(last),
             count: last - first + 1,
         };
         let strip = laid_out(&open, Filter::All, 0);
@@ -472,5 +476,14 @@ mod tests {
         let middle = laid_out(&open, Filter::All, 3);
         assert_eq!(middle.cells.len(), 7, "two and two are too few to fold");
         assert_eq!(laid_out(&open, Filter::Unanswered, 0).cells.len(), 10);
+        open.document.frames[3].status = FrameStatus::Reference;
+        let around_a_hidden_one = StripCell::Unanswered {
+            first: 1,
+            last: 5,
+            middle: 2,
+            count: 4,
+        };
+        let to_do = laid_out(&open, Filter::ToDo, 0);
+        assert_eq!(to_do.cells[1], around_a_hidden_one);
     }
 }

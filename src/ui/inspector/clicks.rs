@@ -64,8 +64,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
                 };
                 ui.label(RichText::new(says).color(ui.palette().weak));
             }
+            // Scrolls to the selected point once; later the user may scroll away.
+            let session = &panel.app.session;
+            let into_view = is_newly_selected(ui, (session.frame, session.points.selected));
             for (index, click) in clicks.iter().enumerate() {
-                row(panel, ui, index, click);
+                row(panel, ui, index, click, into_view);
             }
         });
 }
@@ -79,14 +82,14 @@ fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     panel.run_on_click(response, command);
 }
 
-/// Shows one point. A click selects it, a double click renames it.
-fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
+/// Shows one point. A click selects it, a double click renames it. The selected one is scrolled
+/// `into_view`.
+fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_view: bool) {
     let app = panel.app;
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     let selected = app.session.points.selected == Some(index);
-    // Scrolls to the point once, when it becomes selected; later the user may scroll away.
-    if selected && has_been_selected(ui, index) {
+    if selected && into_view {
         response.scroll_to_me(None);
     }
     let name = name(app, click);
@@ -188,13 +191,14 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     });
 }
 
-/// Whether another point was selected in the previous frame of the window.
-fn has_been_selected(ui: &Ui, index: usize) -> bool {
+/// Whether another point was selected in the previous frame of the window, or none, or one of
+/// another frame. `now` is the shown frame and its selected point.
+fn is_newly_selected(ui: &Ui, now: (usize, Option<usize>)) -> bool {
     let memory = egui::Id::unique("selected point in view");
     ui.data_mut(|data| {
-        let before = data.get_temp::<usize>(memory);
-        data.insert_temp(memory, index);
-        before != Some(index)
+        let before = data.get_temp::<(usize, Option<usize>)>(memory);
+        data.insert_temp(memory, now);
+        before != Some(now)
     })
 }
 
@@ -208,11 +212,11 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
         &format!("Delete point {}", index + 1),
         palette.weak,
     );
-    let key = keys.key_label(Command::DeleteClick);
+    let key = keys.with_key(Command::DeleteClick, |key| {
+        format!(" ({key} deletes the selected one)")
+    });
     if delete
-        .on_hover_text(format!(
-            "Delete this point. ({key} deletes the selected one)"
-        ))
+        .on_hover_text(format!("Delete this point.{key}"))
         .clicked()
     {
         panel
@@ -341,11 +345,24 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
         ui.label("Two points can always be fitted, so their residual proves nothing.");
     }
     let keys = &app.settings.keys;
-    ui.label(
-        RichText::new(format!(
-            "Double-click or press {} to rename it.",
-            keys.key_label(Command::RenameClick)
-        ))
-        .color(ui.palette().weak),
-    );
+    let key = keys.with_key(Command::RenameClick, |key| format!(" or press {key}"));
+    let rename = format!("Double-click{key} to rename it.");
+    ui.label(RichText::new(rename).color(ui.palette().weak));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_scrolled_to_whenever_it_becomes_the_selected_one() {
+        let mut found = Vec::new();
+        let mut output = egui::Context::default().run_ui(egui::RawInput::default(), |ui| {
+            let two = Some(2);
+            let shown = [(0, two), (0, two), (0, None), (0, two), (1, two)];
+            found = shown.map(|now| is_newly_selected(ui, now)).to_vec();
+        });
+        output.textures_delta.clear();
+        assert_eq!(found, [true, false, true, true, true]);
+    }
 }

@@ -8,6 +8,7 @@ use crate::ui::{
 };
 use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::camera_text::CameraText;
+use touchline_application::app::review::percent;
 use touchline_application::app::{Action, App, Command, EditAction, SettingsAction};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Solution, Target};
@@ -334,12 +335,7 @@ fn show_recorded_solution(ui: &mut Ui, solution: &Solution) {
         }
         if let Some(confidence) = solution.confidence {
             let tip = "The probability that the lines are right within 10 px at 1920 px width.";
-            pair(
-                ui,
-                "Confidence",
-                format!("{:.0} %", 100.0 * confidence),
-                tip,
-            );
+            pair(ui, "Confidence", percent(confidence), tip);
         }
     });
     warnings(

@@ -9,6 +9,9 @@ mod details;
 mod solution;
 mod verdict;
 
+/// Shows the main button, for other panels.
+pub use accept::show as accept;
+
 use super::{
     Panel, field_map,
     theme::{self, Themed as _},
@@ -106,11 +109,6 @@ pub fn decide(panel: &mut Panel<'_>, ui: &mut Ui) {
         .exact_size(DECIDE)
         .frame(Frame::new().inner_margin(Margin::same(8)))
         .show(ui, |ui| accept::show(panel, ui));
-}
-
-/// Shows the main button, for other panels.
-pub fn accept(panel: &mut Panel<'_>, ui: &mut Ui) {
-    accept::show(panel, ui);
 }
 
 /// Draws a thin line between two groups.

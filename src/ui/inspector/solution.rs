@@ -8,7 +8,7 @@ use crate::ui::{
 use egui::{Align, Button, Layout, RichText, Ui};
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::camera::Ptz;
-use touchline_core::geometry::Angle;
+use touchline_core::geometry::{Angle, pluralise};
 use touchline_documents::document::{Frame, FramePtz, SolutionSource};
 
 /// Width of a label, points.
@@ -92,7 +92,7 @@ fn from_points(frame: &Frame) -> String {
         .iter()
         .filter(|click| !click.check && click.target.is_some())
         .count();
-    format!("from {used} point{}", if used == 1 { "" } else { "s" })
+    format!("from {}", pluralise(used, "point"))
 }
 
 /// Shows the four numbers in two columns. Field of view and focal length are one quantity, so
@@ -259,7 +259,7 @@ fn show_unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
 }
 
 /// The horizontal field of view of a focal length, degrees. Without distortion.
-pub fn view_deg(focal_px: f64, width_px: f64) -> f64 {
+fn view_deg(focal_px: f64, width_px: f64) -> f64 {
     2.0 * (width_px / 2.0 / focal_px).atan().to_degrees()
 }
 

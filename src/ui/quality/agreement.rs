@@ -17,6 +17,7 @@ use std::sync::Arc;
 use touchline_application::app::operations::ComparisonResult;
 use touchline_application::app::{Action, App, Command};
 use touchline_calibration::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::Target;
 
 /// Maximum number of rows in a list.
@@ -54,16 +55,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// computed. If this document has changed since, a second button compares again.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<ComparisonResult>>) {
     // The layout runs from right to left, so the button at the end comes first.
-    let command = Command::CompareAnnotators;
-    let why_not = panel.app.why_not(command);
-    let button = ui.add_enabled(why_not.is_none(), Button::new("Compare with…").small());
-    if button
-        .on_hover_text(command.about())
-        .on_disabled_hover_text(why_not.unwrap_or_default())
-        .clicked()
-    {
-        panel.actions.push(Action::Command(command));
-    }
+    let choose = Button::new("Compare with…").small();
+    panel.command_button(ui, choose, Command::CompareAnnotators);
     let Some(compared) = compared else { return };
     let stale = panel
         .app
@@ -147,9 +140,9 @@ fn describe(ui: &mut Ui, agreement: &Agreement) {
     let mut text = String::new();
     if let Some(distances) = &agreement.distances {
         text = format!(
-            "{} points in {} frames, median distance {:.2} px (90 %: {:.2} px). ",
-            distances.count,
-            agreement.frames.len(),
+            "{} in {}, median distance {:.2} px (90 %: {:.2} px). ",
+            pluralise(distances.count, "point"),
+            pluralise(agreement.frames.len(), "frame"),
             distances.median,
             distances.p90
         );
@@ -200,8 +193,11 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
             .map(|noise| format!(" Click noise {:.2} px.", noise.sigma))
             .unwrap_or_default();
         response.on_hover_text(format!(
-            "{name}: {} frames, 90 % within {:.1} px; median offset of the other ({:+.1}, {:+.1}) px.{noise}",
-            landmark.pairs, landmark.p90_px, landmark.offset_px.x, landmark.offset_px.y
+            "{name}: {}, 90 % within {:.1} px; median offset of the other ({:+.1}, {:+.1}) px.{noise}",
+            pluralise(landmark.pairs, "frame"),
+            landmark.p90_px,
+            landmark.offset_px.x,
+            landmark.offset_px.y
         ));
     }
 }
@@ -220,14 +216,10 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         .take(SHOWN)
     {
         // The row shows the first difference, the tooltip all of them.
-        let points = if frame.names.len() == 1 {
-            "1 point".to_owned()
-        } else {
-            format!("{} points", frame.names.len())
-        };
         let text = format!(
-            "{}: {points}, {}",
+            "{}: {}, {}",
             file_name(&frame.name),
+            pluralise(frame.names.len(), "point"),
             describe_dispute(panel.app, &frame.names[0])
         );
         let all: Vec<String> = frame
@@ -347,9 +339,9 @@ fn tip(frame: &FrameAgreement) -> String {
         .map(|px| format!(", farthest {px:.1} px"))
         .unwrap_or_default();
     format!(
-        "{}: {} points of both{farthest}.{} Click to look at it.",
+        "{}: {} of both{farthest}.{} Click to look at it.",
         frame.name,
-        frame.clicks.len(),
+        pluralise(frame.clicks.len(), "point"),
         cameras.unwrap_or_default()
     )
 }

@@ -13,7 +13,9 @@ use egui::{
     CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,
     WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::Command;
 use touchline_application::app::quality::{ClickErrors, Histogram, Spread};
+use touchline_core::geometry::pluralise;
 use touchline_documents::report::figure::Ruler;
 
 /// Height of a histogram, points.
@@ -24,7 +26,7 @@ const BELOW: f32 = 16.0;
 
 /// The text while no frame has enough clicks for its errors to be evidence.
 const NOTHING: &str = "The errors of clicks appear here. Two clicks alone can always be fitted: place a third one on some frames, \
-                       or a check point (K).";
+                       or a check point.";
 
 /// Shows the card: the histogram of the clicks that cameras were fitted to, and that of the check
 /// points.
@@ -101,19 +103,20 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
     // Without check points, how to make one.
     let Some(spread) = spread else {
         if check {
-            theme::weak_text(
-                ui,
-                "No check points. Press K to make a point a check point.",
-            );
+            let keys = &panel.app.settings.keys;
+            let how = keys.with_key(Command::ToggleCheck, |key| {
+                format!(" Press {key} to make a point a check point.")
+            });
+            theme::weak_text(ui, format!("No check points.{how}"));
         }
         return;
     };
     let (histogram, step_px) = (&spread.histogram, spread.histogram.step_px);
     let description = format!(
-        "{what}: {}, median {}, 90 % below {}",
+        "{what}: {}, median {}, {}",
         spread.count,
         px(spread.median_px),
-        px(spread.most_px)
+        describe_most(spread.most_px)
     );
     ui.label(
         RichText::new(&description)
@@ -240,11 +243,7 @@ fn read_pointer(
     } else {
         format!("{} to {}", number(from), px(from + histogram.step_px))
     };
-    let count = if bin.count == 1 {
-        "1 click".to_owned()
-    } else {
-        format!("{} clicks", bin.count)
-    };
+    let count = pluralise(bin.count, "click");
     let right = format!(
         "{:.0} expected if all names and cameras are correct (green)",
         histogram.expected[place]
@@ -263,8 +262,17 @@ fn read_pointer(
     response.on_hover_text_at_pointer(format!("{range}: {count}; {right}.{there}"));
 }
 
+/// The 90 % quantile of errors, px, in words.
+pub fn describe_most(most_px: f64) -> String {
+    if most_px.is_finite() {
+        format!("90 % below {}", px(most_px))
+    } else {
+        "10 % or more out of view".to_owned()
+    }
+}
+
 /// An error in px. It is infinite where the camera does not see the landmark.
-fn px(value: f64) -> String {
+pub fn px(value: f64) -> String {
     if value.is_finite() {
         format!("{} px", number(value))
     } else {

@@ -108,13 +108,8 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
     for (says, command) in commands {
         panel.command_button(ui, Button::new(says).small(), command);
     }
-    let gold = app.gold().frames;
-    let plural = if gold == 1 { "" } else { "s" };
-    ui.label(
-        RichText::new(format!("{gold} gold frame{plural}"))
-            .small()
-            .color(ui.palette().weak),
-    );
+    let gold = pluralise(app.gold().frames, "gold frame");
+    ui.label(RichText::new(gold).small().color(ui.palette().weak));
 }
 
 /// Describes the annotator's click noise, with the numbers behind it, and which noise weights the
@@ -133,23 +128,23 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     ui.add(Label::new(RichText::new(said).color(ui.palette().strong)).wrap()).on_hover_text(
         "1-σ of a single click at 1920 px width. The rings are one and two σ of the distance between two clicks.",
     );
-    // Noise in each direction, and clicks that are too far off to be noise. Without both, the colon
-    // of the sentence goes.
+    // Noise in each direction, and clicks that are too far off to be noise.
     let [right, down] = own
         .noise_by_axis
         .map(|noise| noise.map(|noise| format!("{:.2} px", noise.sigma)));
     let axes = right
         .zip(down)
-        .map(|(right, down)| format!(" across {right}, down {down}."))
+        .map(|(right, down)| format!(": across {right}, down {down}"))
         .unwrap_or_default();
     let aside = match own.noise.map_or(0, |noise| noise.set_aside) {
         0 => String::new(),
         1 => " One is too far off to be noise and is left out.".to_owned(),
         count => format!(" {count} are too far off to be noise and are left out."),
     };
+    let clicks = pluralise(own.repeats, "blind click");
     let frames = pluralise(own.frames, "frame");
-    let text = format!("{} blind clicks in {frames}:{axes}{aside}", own.repeats).replace(":.", ".");
-    ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(ui.palette().text)).wrap());
+    let text = format!("{clicks} in {frames}{axes}.{aside}");
+    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
     // Which noise weights the clicks at present, and how the own one compares with it.
     let used = panel
         .app
@@ -165,8 +160,8 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
             describe_noise(noise)
         ),
         (Some(used), _) => format!(
-            "Your points are weighted by your own click noise, from {} blind clicks. {}",
-            used.repeats,
+            "Your points are weighted by your own click noise, from {}. {}",
+            pluralise(used.repeats, "blind click"),
             describe_noise(used)
         ),
     };
@@ -212,13 +207,14 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
             Some(noise) => {
                 let [low, high] = noise.interval_95;
                 format!(
-                    "{name}: {:.2} px (95 %: {low:.2} to {high:.2}) from {} blind clicks.",
-                    noise.sigma, noise.pairs
+                    "{name}: {:.2} px (95 %: {low:.2} to {high:.2}) from {}.",
+                    noise.sigma,
+                    pluralise(noise.pairs, "blind click")
                 )
             }
             None => format!(
-                "{name}: {} blind clicks, too few for a value of its own.",
-                landmark.repeats
+                "{name}: {}, too few for a value of its own.",
+                pluralise(landmark.repeats, "blind click")
             ),
         };
         response.on_hover_text(tip);

@@ -6,6 +6,7 @@ use egui::{
     TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::quality::PointKind;
+use touchline_core::geometry::pluralise;
 
 /// Height of a legend entry, and the width that its mark takes, points.
 const ROW: f32 = 16.0;
@@ -68,10 +69,10 @@ pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Re
 
 /// A count with the name of the kind in singular or plural.
 pub fn describe_count(kind: PointKind, count: usize) -> String {
-    let (one, more) = match kind {
-        PointKind::Reference => ("reference", "references"),
-        PointKind::Suggested => ("suggestion", "suggestions"),
-        PointKind::Draft => ("draft", "drafts"),
+    let name = match kind {
+        PointKind::Reference => "reference",
+        PointKind::Suggested => "suggestion",
+        PointKind::Draft => "draft",
     };
-    format!("{count} {}", if count == 1 { one } else { more })
+    pluralise(count, name)
 }

@@ -4,6 +4,7 @@
 //! Errors are px at 1920 px width.
 
 use super::card;
+use super::errors::{describe_most, px};
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
 use crate::ui::{
@@ -12,6 +13,7 @@ use crate::ui::{
 };
 use egui::{Button, Id, RichText, Ui};
 use touchline_application::app::quality::TargetErrors;
+use touchline_core::geometry::pluralise;
 
 /// Number of landmarks that are shown before the list is expanded.
 const SHOWN: usize = 11;
@@ -88,11 +90,6 @@ fn explain_bars(ui: &mut Ui, is_empty: bool) {
 /// clicks. The worst click is named in the tooltip.
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f64) {
     let label = panel.app.label(&errors.target);
-    let clicks = if errors.clicks == 1 {
-        "1 click".to_owned()
-    } else {
-        format!("{} clicks", errors.clicks)
-    };
     // Weak with too few clicks, emphasised if worse than expected.
     let colour = match (errors.is_known(), errors.is_bad()) {
         (true, true) => Some(ui.palette().caution),
@@ -124,12 +121,24 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
         .map(|frame| file_name(&frame.name()))
         .unwrap_or_default();
     let tip = format!(
-        "{label}: {clicks}, median {median}, 90 % below {:.1} px; correct ones would have a median of {:.1} px. The worst, {worst_px:.1} px, is in {name}: click to go there.",
-        errors.most_px, errors.expected_px
+        "{label}: {} The worst, {}, is in {name}: click to go there.",
+        describe(errors),
+        px(worst_px)
     );
     if response.on_hover_text(tip).clicked() {
         panel.look_at(frame, Some(click));
     }
+}
+
+/// Describes the errors of one landmark or line, and what correct clicks would have.
+fn describe(errors: &TargetErrors) -> String {
+    format!(
+        "{}, median {}, {}; correct ones would have a median of {:.1} px.",
+        pluralise(errors.clicks, "click"),
+        px(errors.median_px),
+        describe_most(errors.most_px),
+        errors.expected_px
+    )
 }
 
 #[cfg(test)]
@@ -152,5 +161,14 @@ mod tests {
         targets.push(errors(5, f64::INFINITY));
         assert_eq!(bar_end_px(&targets), 7.0);
         assert_eq!(bar_end_px(&targets[1..]), 2.0);
+        let hardly_seen = TargetErrors {
+            most_px: f64::INFINITY,
+            ..errors(1, 1.5)
+        };
+        assert_eq!(
+            describe(&hardly_seen),
+            "1 click, median 1.5 px, 10 % or more out of view; \
+             correct ones would have a median of 1.0 px."
+        );
     }
 }

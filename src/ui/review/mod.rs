@@ -12,6 +12,7 @@ use super::{
 use egui::{Button, DragValue, Frame, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Action, Command, ViewAction};
+use touchline_core::geometry::pluralise;
 
 /// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -49,12 +50,7 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Shows the number of suggestions.
 fn count(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let count = panel.app.review().count();
-    let said = if count == 1 {
-        "1 suggestion".to_owned()
-    } else {
-        format!("{count} suggestions")
-    };
+    let said = pluralise(panel.app.review().count(), "suggestion");
     ui.label(RichText::new(said).color(ui.palette().weak));
 }
 

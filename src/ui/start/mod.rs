@@ -47,12 +47,9 @@ const ROW: f32 = 44.0;
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();
     ui.painter().rect_filled(area, 0.0, ui.palette().backdrop);
-    // The film takes 56 % of the width, the column the rest, both within their limits. A small
-    // window cuts the page at its borders.
-    let free = area.width() - 3.0 * GAP;
-    let film = (0.56 * free).clamp(FILM[0], FILM[1]);
-    let column = (free - film).clamp(COLUMN[0], COLUMN[1]);
-    let page = vec2(film + GAP + column, area.height().min(HEIGHT) - GAP);
+    let (film, column) = widths(area.width());
+    let beside = film.map_or(0.0, |film| film + GAP);
+    let page = vec2(beside + column, area.height().min(HEIGHT) - GAP);
     let page = Rect::from_center_size(area.center(), page).intersect(area.shrink(GAP / 2.0));
     let title = Rect::from_min_size(page.min, vec2(page.width(), 72.0));
     ui.scope_builder(UiBuilder::new().max_rect(title), |ui| {
@@ -64,16 +61,29 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.label(RichText::new(PURPOSE).size(14.0).color(ui.palette().text));
     });
     let below = page.with_min_y(title.bottom() + 2.0 * theme::SPACE);
-    let left = below.with_max_x(below.left() + film);
-    ui.scope_builder(UiBuilder::new().max_rect(left), |ui| {
-        film::show(ui, film);
-        ui.add_space(2.0 * theme::SPACE);
-        ui.label(RichText::new(NEEDED).color(ui.palette().weak));
-    });
+    if let Some(film) = film {
+        let left = below.with_max_x(below.left() + film);
+        ui.scope_builder(UiBuilder::new().max_rect(left), |ui| {
+            film::show(ui, film);
+            ui.add_space(2.0 * theme::SPACE);
+            ui.label(RichText::new(NEEDED).color(ui.palette().weak));
+        });
+    }
     let right = below.with_min_x(below.right() - column);
     ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
         ScrollArea::vertical().show(ui, |ui| beginnings(panel, ui));
     });
+}
+
+/// The widths of the film and of the column beside it in a window of this width. The film takes
+/// 56 % of what the gaps leave, the column the rest, both within their limits. Where there is no
+/// room for both, the column is alone.
+fn widths(window: f32) -> (Option<f32>, f32) {
+    let free = window - 3.0 * GAP;
+    let film = (0.56 * free).min(free - COLUMN[0]).min(FILM[1]);
+    let film = Some(film).filter(|film| *film >= FILM[0]);
+    let column = film.map_or(free + GAP, |film| free - film);
+    (film, column.min(COLUMN[1]))
 }
 
 /// Shows what one can begin with, or what is being opened.
@@ -190,4 +200,20 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
     });
     ui.data_mut(|data| data.insert_temp(memory, typed));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn film_and_column_stand_side_by_side_or_the_column_alone() {
+        for window in [600.0, 855.0, 856.0, 900.0, 1280.0, 2560.0] {
+            let (film, column) = widths(window);
+            assert_eq!(film.is_some(), window >= 856.0, "{window}");
+            let taken = film.map_or(0.0, |film| film + GAP) + column;
+            assert!(taken <= window - 2.0 * GAP + 0.01, "{window}: {taken}");
+            assert!(film.is_none() || column >= COLUMN[0], "{window}: {column}");
+        }
+    }
 }

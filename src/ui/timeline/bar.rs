@@ -2,7 +2,7 @@
 //! frames up to there, and the handle of a cut moves it.
 
 use crate::ui::{
-    Panel,
+    Panel, menu,
     theme::{self, Themed as _},
 };
 use egui::{
@@ -13,6 +13,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_application::app::place::time_code;
+use touchline_application::app::review::percent;
 use touchline_application::app::selection::{Selecting, runs_of};
 use touchline_application::app::session::status_label;
 use touchline_application::app::{
@@ -58,7 +59,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     };
     let held = hold(panel, ui, &response, &bar);
     bar.paint(panel, ui, held);
-    menu(panel, &response);
+    cut_menu(panel, &response);
     tooltip(panel.app, open, response, &bar);
 }
 
@@ -130,7 +131,11 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
             }
         });
     }
-    let cut = ui.data(|data| data.get_temp::<TimelineCut>(memory));
+    // A drag may have ended behind another page; the handle that it left behind counts no more.
+    let is_dragging = response.dragged() || response.drag_stopped();
+    let cut = ui
+        .data(|data| data.get_temp::<TimelineCut>(memory))
+        .filter(|_| is_dragging);
     let over = at.map(|at| bar.frame_at(at))?;
     let Some(cut) = cut else {
         // A quick click goes down and up within one frame of the window, so it never appears as
@@ -204,27 +209,15 @@ fn go_or_select(panel: &mut Panel<'_>, ui: &Ui, over: usize) {
 }
 
 /// The commands on cuts and places.
-fn menu(panel: &mut Panel<'_>, response: &Response) {
-    response.context_menu(|ui| {
-        for command in [
-            Command::AddCut,
-            Command::MoveCutHere,
-            Command::RemoveCut,
-            Command::FindShots,
-            Command::GoToPlace,
-        ] {
-            let why_not = panel.app.why_not(command);
-            let button = ui.add_enabled(why_not.is_none(), egui::Button::new(command.name()));
-            let button = button.on_hover_text(command.about());
-            if button
-                .on_disabled_hover_text(why_not.unwrap_or_default())
-                .clicked()
-            {
-                panel.actions.push(Action::Command(command));
-                ui.close();
-            }
-        }
-    });
+fn cut_menu(panel: &mut Panel<'_>, response: &Response) {
+    let commands = [
+        Command::AddCut,
+        Command::MoveCutHere,
+        Command::RemoveCut,
+        Command::FindShots,
+        Command::GoToPlace,
+    ];
+    response.context_menu(|ui| menu::entries(panel, ui, &commands));
 }
 
 /// Describes the frame below the pointer, and the cut if it is on a handle.
@@ -260,7 +253,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
             .as_ref()
             .and_then(|solution| solution.confidence);
         if let Some(confidence) = confidence.filter(|_| frame.status == FrameStatus::Suggested) {
-            ui.label(format!("Confidence {:.0} %", 100.0 * confidence));
+            ui.label(format!("Confidence {}", percent(confidence)));
         }
         if let Some(cut) = cut {
             ui.label(egui::RichText::new(describe_cut(cut.kind)).color(ui.palette().weak));

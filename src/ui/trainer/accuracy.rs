@@ -10,6 +10,7 @@ use egui::{
     vec2,
 };
 use std::sync::Arc;
+use touchline_application::app::review::percent;
 use touchline_application::app::where_to_label::whole_degrees;
 use touchline_calibration::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
 
@@ -100,7 +101,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, tested: &LeftOut) {
     ui.painter().galley(left_at, left, ui.palette().text);
     let confidence = tested
         .found
-        .map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
+        .map(|found| format!(" Its confidence was {}.", percent(found.confidence)));
     let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
     if response.on_hover_text(tip).clicked() {
         panel.go_to(place);

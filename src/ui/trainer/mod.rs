@@ -23,7 +23,7 @@ use touchline_calibration::proposals::Suspect;
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::{FrameId, FrameStatus};
 
-/// Maximum number of unusable references in the list.
+/// Maximum number of references in each of the lists of contradicting and unusable ones.
 const FAILED_SHOWN: usize = 5;
 
 /// Shows the panel; the reason, if there is no trainer.
@@ -118,29 +118,25 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
 /// contradict each other or cannot be used.
 fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "TRAINED ON");
-    ui.label(describe_count(
-        status.training_frames,
-        "reference used for training.",
-        "references used for training.",
-    ));
+    let trained_on = pluralise(status.training_frames, "reference");
+    ui.label(format!("{trained_on} used for training."));
     // References that are not used for training: they wait for a base, or they were withheld.
     let waiting = status
         .references
         .saturating_sub(status.training_frames + status.withheld);
     if waiting > 0 {
-        let text = describe_count(
-            waiting,
-            "reference waits for its camera's base.",
-            "references wait for their camera's base.",
-        );
+        let text = match waiting {
+            1 => "1 reference waits for its camera's base.".to_owned(),
+            count => format!(
+                "{} references wait for their camera's base.",
+                thousands(count)
+            ),
+        };
         ui.add(Label::new(RichText::new(text).color(ui.palette().caution)).wrap());
     }
     if status.withheld > 0 {
-        let text = describe_count(
-            status.withheld,
-            "reference not used for training.",
-            "references not used for training.",
-        );
+        let withheld = pluralise(status.withheld, "reference");
+        let text = format!("{withheld} not used for training.");
         ui.label(RichText::new(text).color(ui.palette().weak)).on_hover_text(
             "Training with the forest's own proposals would add nothing new and repeat its mistakes; so would a frame whose \
              verdict is Wrong. The switch of a frame overrides this.",
@@ -171,6 +167,10 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     for suspect in status.suspects.iter().take(FAILED_SHOWN) {
         contradicting(panel, ui, suspect);
     }
+    let more = status.suspects.len().saturating_sub(FAILED_SHOWN);
+    if more > 0 {
+        theme::weak_text(ui, format!("{more} more that contradict others."));
+    }
     for UnusableReference { frame, error } in status.failed.iter().take(FAILED_SHOWN) {
         let Some((place, name)) = place_and_name(panel, frame) else {
             continue;
@@ -189,15 +189,6 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let more = status.failed.len().saturating_sub(FAILED_SHOWN);
     if more > 0 {
         theme::weak_text(ui, format!("{more} more cannot be used."));
-    }
-}
-
-/// A count with the words for one or for more.
-fn describe_count(count: usize, one: &str, more: &str) -> String {
-    if count == 1 {
-        format!("1 {one}")
-    } else {
-        format!("{} {more}", thousands(count))
     }
 }
 

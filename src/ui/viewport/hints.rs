@@ -1,7 +1,7 @@
 //! Texts on the picture: names of points, what the next click places, and why there is no picture.
 
 use super::scene::waits_for_name;
-use crate::ui::labels::{PlateStyle, colour, plate};
+use crate::ui::labels::{PlateStyle, colour, plate, text_width};
 use crate::ui::placement::Placement;
 use crate::ui::{Panel, rejecting, theme, typing};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
@@ -16,6 +16,8 @@ pub const PLATE: Color32 = Color32::from_black_alpha(200);
 const NAME_SHOWN_S: f64 = 4.0;
 /// Offset from a point to the text about it, points.
 const BESIDE: Vec2 = vec2(20.0, 16.0);
+/// Minimum distance between such a text and the border of the picture, points.
+const BORDER: f32 = 8.0;
 
 /// Draws all texts over the picture.
 pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placement) {
@@ -45,9 +47,9 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     let frame = panel.app.frame()?;
     let keys = &panel.app.settings.keys;
     if session.picture.tool == Tool::Mask {
-        let done = keys.key_label(Command::ShowMasks);
+        let key = keys.with_key(Command::ShowMasks, |key| format!("{key} or "));
         return Some(format!(
-            "Masks: drag a box for this frame, Shift-drag for every frame of the camera. {done} or Esc when done."
+            "Masks: drag a box for this frame, Shift-drag for every frame of the camera. {key}Esc when done."
         ));
     }
     if session.picture.held.compare {
@@ -71,12 +73,13 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         return Some(text.to_owned());
     }
     if frame.status == FrameStatus::Rejected {
-        // A document may reject a frame without a reason; then the colon goes, too.
-        let reason = frame.reason.map_or("", reason_label);
-        let key = keys.key_label(Command::Reject);
-        return Some(
-            format!("Not calibratable: {reason}. {key} removes the mark.").replace(": .", "."),
-        );
+        // A document may reject a frame without a reason.
+        let reason = frame
+            .reason
+            .map(|reason| format!(": {}", reason_label(reason)))
+            .unwrap_or_default();
+        let key = keys.with_key(Command::Reject, |key| format!(" {key} removes the mark."));
+        return Some(format!("Not calibratable{reason}.{key}"));
     }
     if session.mode != Mode::Idle {
         return None;
@@ -88,10 +91,8 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         Tool::Line => Some("Every click is a point on a line. Esc when done.".to_owned()),
         Tool::Check => Some("Every click is a check point. Esc when done.".to_owned()),
         Tool::Point | Tool::Mask => session.points.next_on_line.then(|| {
-            format!(
-                "The next click is a point on a line. {} changes that.",
-                keys.key_label(Command::PlaceOnLine)
-            )
+            let key = keys.with_key(Command::PlaceOnLine, |key| format!(" {key} changes that."));
+            format!("The next click is a point on a line.{key}")
         }),
     }
 }
@@ -133,6 +134,10 @@ fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
 /// click places.
 fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     let session = &panel.app.session;
+    just_snapped(panel, ui, placement, painter);
+    // In every mode: after the next press a point of the same index counts anew.
+    let named = session.points.named_automatically;
+    let is_recent = recently(ui, "named automatically", named);
     let (click, hint) = match &session.mode {
         Mode::Dragging {
             click,
@@ -141,25 +146,15 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
         // Idle: the point that was named automatically, for a few seconds, or for as long as its
         // name can be typed over.
         Mode::Idle => {
-            just_snapped(panel, ui, placement, painter);
             let names = typing::names_placed(ui.ctx());
-            let shown = session.points.named_automatically.filter(|_| {
-                recently(
-                    ui,
-                    "named automatically",
-                    session.points.named_automatically,
-                ) || names
-            });
-            let Some(click) = shown else {
+            let Some(click) = named.filter(|_| is_recent || names) else {
                 return;
             };
             let hint = if names {
                 "type to change it, Enter keeps it".to_owned()
             } else {
-                format!(
-                    "{} changes it",
-                    panel.app.settings.keys.key_label(Command::RenameClick)
-                )
+                let keys = &panel.app.settings.keys;
+                keys.with_key(Command::RenameClick, |key| format!("{key} changes it"))
             };
             (click, hint)
         }
@@ -195,7 +190,7 @@ fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter
         .unwrap_or_default();
     // Points may be aligned in one batch; the time counts from the latest.
     let newest = session.points.just_snapped.last().copied();
-    if newest.is_none() || !recently(ui, "just snapped", newest) {
+    if !recently(ui, "just snapped", newest) {
         return;
     }
     for click in session
@@ -213,10 +208,13 @@ fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter
 /// Draws a name and a weaker hint beside `at`: below and to the right, or on the other side at the
 /// right or lower border of `bounds`.
 pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
-    // The width is estimated from the number of bytes; the exact one is known only after the
-    // layout.
-    let width = 8.0 * name.len().max(hint.len()) as f32;
-    let fits = at.x + BESIDE.x + width < bounds.right();
+    let [name_font, hint_font] = [13.0, 11.0].map(FontId::proportional);
+    let width = text_width(painter, name, name_font.clone()).max(text_width(
+        painter,
+        hint,
+        hint_font.clone(),
+    ));
+    let fits = at.x + BESIDE.x + width + BORDER < bounds.right();
     let (side, align) = if fits {
         (1.0, Align2::LEFT_CENTER)
     } else {
@@ -234,7 +232,7 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
         first,
         align,
         name,
-        PlateStyle::new(FontId::proportional(13.0), colour(CLICK), PLATE),
+        PlateStyle::new(name_font, colour(CLICK), PLATE),
     );
     if !hint.is_empty() {
         let second = first + vec2(0.0, down * written.height());
@@ -243,7 +241,7 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
             second,
             align,
             hint,
-            PlateStyle::new(FontId::proportional(11.0), theme::ON_PICTURE.text, PLATE),
+            PlateStyle::new(hint_font, theme::ON_PICTURE.text, PLATE),
         );
     }
 }
@@ -301,4 +299,55 @@ pub fn no_frames(painter: &Painter, rect: Rect) {
         FontId::proportional(14.0),
         theme::ON_PICTURE.weak,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ui::{Pictures, open_with_click};
+    use std::sync::Arc;
+    use touchline_application::app::App;
+    use touchline_application::app::session::PictureView;
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+
+    /// Whether any text is drawn at a time, s.
+    fn says_something(app: &App, ctx: &egui::Context, time_s: f64) -> bool {
+        let input = egui::RawInput {
+            time: Some(time_s),
+            ..egui::RawInput::default()
+        };
+        let rect = Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 720.0));
+        let size = ImageSize::new(1280, 720);
+        let placement = Placement::new(rect, 1.0, size, PictureView::Fit);
+        let mut pictures = Pictures::start(Arc::new(|| ())).unwrap();
+        let panel = Panel {
+            app,
+            pictures: &mut pictures,
+            actions: &mut Vec::new(),
+            adapter: "",
+        };
+        let mut output = ctx.run_ui(input, |ui| names(&panel, ui, &placement, ui.painter()));
+        output.textures_delta.clear();
+        let mut shapes = output.shapes.iter().map(|clipped| &clipped.shape);
+        shapes.any(|shape| matches!(shape, egui::Shape::Text(_)))
+    }
+
+    #[test]
+    fn a_point_that_is_snapped_again_says_so_again() {
+        let ctx = egui::Context::default();
+        let mut app = open_with_click(ImagePoint::new(400.0, 300.0));
+        app.session.points.just_snapped = vec![0];
+        assert!(says_something(&app, &ctx, 1.0));
+        assert!(!says_something(&app, &ctx, 9.0));
+        // The next press clears the mark.
+        app.session.points.just_snapped.clear();
+        app.session.mode = Mode::Dragging {
+            click: 0,
+            placed: false,
+        };
+        assert!(!says_something(&app, &ctx, 20.0));
+        app.session.points.just_snapped = vec![0];
+        app.session.mode = Mode::Idle;
+        assert!(says_something(&app, &ctx, 21.0));
+    }
 }

@@ -107,7 +107,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         hover: session.points.hover,
         ready: shown_picture(panel, frame.image_size).is_ok(),
         tool: session.picture.tool,
-        space: ctx.input(|input| input.key_down(Key::Space)) && !ctx.text_edit_focused(),
+        space: is_moving_key_down(ctx),
         is_free: &is_free,
         drawn_at: &|at| app.grabbable(at, reach),
     };
@@ -357,7 +357,7 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &DragTa
             let Some(at) = pointer.filter(|at| is_uncovered(ui, placement.rect, *at)) else {
                 return;
             };
-            let icon = if ui.input(|input| input.key_down(Key::Space)) {
+            let icon = if is_moving_key_down(ui.ctx()) {
                 CursorIcon::Grab
             } else {
                 resting_icon(panel.app, placement, at)
@@ -370,6 +370,11 @@ fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &DragTa
         }
     };
     ui.ctx().set_cursor_icon(icon);
+}
+
+/// Whether the space bar is down and types nothing: then dragging moves the picture.
+fn is_moving_key_down(ctx: &egui::Context) -> bool {
+    ctx.input(|input| input.key_down(Key::Space)) && !ctx.text_edit_focused()
 }
 
 /// Whether a position is in a rectangle of this layer, and no menu or dialog is on top of it.

@@ -136,13 +136,19 @@ impl Pointer {
             actions: Vec::new(),
         };
         // The application may have ended the drag (Escape, another frame). Then the pointer lets
-        // go, too, or the next movement would drag a click that is no longer there.
+        // go, too, or the next movement would drag a click that is no longer there, and the release
+        // would add a mask that was cancelled.
         let is_held = match around.mode {
             Mode::Dragging { .. } => true,
             Mode::ClickingAgain(round) => round.held.is_some(),
             _ => false,
         };
-        if matches!(reading.pointer.hold, DragTarget::Click { .. }) && !is_held {
+        let goes_on = match reading.pointer.hold {
+            DragTarget::Click { .. } => is_held,
+            DragTarget::Mask { .. } => around.tool == Tool::Mask,
+            DragTarget::Nothing | DragTarget::Picture(_) => true,
+        };
+        if !goes_on {
             reading.pointer.hold = DragTarget::Nothing;
         }
         for event in events {
@@ -613,6 +619,24 @@ mod tests {
             button(pos2(300.0, 203.0), false),
         ];
         assert_eq!(read(&mut pointer, &moves, Modifiers::NONE, &Mode::Idle), []);
+    }
+
+    #[test]
+    fn a_mask_is_cancelled_with_its_tool() {
+        let mut pointer = Pointer::default();
+        let begun = [
+            button(pos2(200.0, 200.0), true),
+            Event::PointerMoved(pos2(300.0, 260.0)),
+        ];
+        let released = [button(pos2(300.0, 260.0), false)];
+        let (none, idle) = (Modifiers::NONE, &Mode::Idle);
+        read_with(Tool::Mask, &mut pointer, &begun, none, idle);
+        let actions = read_with(Tool::Point, &mut pointer, &released, none, idle);
+        assert_eq!(actions, []);
+        read_with(Tool::Mask, &mut pointer, &begun, none, idle);
+        let actions = read_with(Tool::Mask, &mut pointer, &released, none, idle);
+        let adds = matches!(actions[..], [Action::Edit(EditAction::AddMask { .. })]);
+        assert!(adds, "{actions:?}");
     }
 
     #[test]

@@ -22,21 +22,13 @@ fn cell_along(position_px: f64, side_px: u32, cells: usize) -> usize {
     (cell.max(0.0) as usize).min(cells - 1)
 }
 
-/// The number of cells that contain a point. The grid continues outside the picture.
+/// The number of cells that contain a point.
 pub(crate) fn count_cells(
     points: impl Iterator<Item = ImagePoint>,
     size: ImageSize,
-    (columns, rows): (usize, usize),
+    grid: (usize, usize),
 ) -> usize {
-    // Unlike in `cell_in_grid`, points outside the picture have cells of their own, so that points
-    // far beyond one border are not one place.
-    let (width, height) = (f64::from(size.width), f64::from(size.height));
-    let cells = points.map(|at| {
-        (
-            (at.x / width * columns as f64) as i32,
-            (at.y / height * rows as f64) as i32,
-        )
-    });
+    let cells = points.map(|at| cell_in_grid(at, size, grid));
     cells.collect::<BTreeSet<_>>().len()
 }
 

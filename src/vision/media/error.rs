@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 use touchline_core::files::open_named;
+use touchline_core::geometry::pluralise;
 
 /// Why a picture, a video or one of its frames could not be read.
 ///
@@ -25,6 +26,12 @@ pub enum MediaError {
     /// A file where a folder should be.
     #[error("{}: this is not a folder; give the folder that holds the images", path.display())]
     NotAFolder {
+        /// The path that was to be opened.
+        path: PathBuf,
+    },
+    /// A file name that is not UTF-8, which a document cannot store.
+    #[error("{}: its name is not UTF-8, which no project can keep; rename the file", path.display())]
+    NameNotUtf8 {
         /// The path that was to be opened.
         path: PathBuf,
     },
@@ -127,7 +134,10 @@ pub enum MediaError {
         path: PathBuf,
     },
     /// A frame beyond the end of the video.
-    #[error("{}: there is no frame {index}; the video has {frames} frames, numbered from 0", path.display())]
+    #[error(
+        "{}: there is no frame {index}; the video has {}, numbered from 0",
+        path.display(), pluralise(*frames, "frame")
+    )]
     NoSuchFrame {
         /// The video.
         path: PathBuf,
@@ -240,5 +250,18 @@ mod tests {
             "a.png: this is not a file; give the path of an image or a video"
         );
         assert!(message(io::ErrorKind::TimedOut).starts_with("a.png: could not be read ("));
+    }
+
+    #[test]
+    fn a_video_of_one_frame_is_not_said_to_have_frames() {
+        let beyond = MediaError::NoSuchFrame {
+            path: PathBuf::from("a.mp4"),
+            index: 1,
+            frames: 1,
+        };
+        assert_eq!(
+            beyond.to_string(),
+            "a.mp4: there is no frame 1; the video has 1 frame, numbered from 0"
+        );
     }
 }

@@ -39,7 +39,7 @@ pub fn list_images(folder: &Path) -> Result<FolderListing, MediaError> {
         if !has_image_extension(&path) || is_hidden(&path) || path.is_dir() {
             continue;
         }
-        if path.file_name().is_some_and(|name| name.to_str().is_some()) {
+        if has_utf8_name(&path) {
             listing.images.push(path);
         } else {
             listing.notices.push(Notice::NameNotUtf8 { path });
@@ -59,6 +59,11 @@ pub(super) fn has_image_extension(path: &Path) -> bool {
             .iter()
             .any(|known| extension.eq_ignore_ascii_case(known))
     })
+}
+
+/// Whether a document can keep the name of a file.
+pub(super) fn has_utf8_name(path: &Path) -> bool {
+    path.file_name().is_none_or(|name| name.to_str().is_some())
 }
 
 fn is_hidden(path: &Path) -> bool {

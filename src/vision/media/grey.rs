@@ -45,9 +45,10 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     // picture without width has no bytes, but the length of a chunk must not be 0.
     let row_bytes = 4 * full.width as usize;
     // Sums are in 1/256 of a grey level and start at half the divisor, so that the division rounds.
-    let divisor = (factor * factor) as u32 * 256;
+    // A row of a block fits 32 bits, a whole block of more than 256 rows does not.
+    let divisor = (factor * factor) as u64 * 256;
     let mut values = Vec::with_capacity(width * size.height as usize);
-    let mut sums = vec![0u32; width];
+    let mut sums = vec![0u64; width];
     for block_row in picture
         .rgba()
         .chunks_exact((row_bytes * factor).max(1))
@@ -56,9 +57,8 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
         sums.fill(divisor / 2);
         for row in block_row.chunks_exact(row_bytes) {
             for (sum, block) in sums.iter_mut().zip(row.chunks_exact(4 * factor)) {
-                for pixel in block.as_chunks::<4>().0 {
-                    *sum += luma(*pixel);
-                }
+                let pixels = block.as_chunks::<4>().0.iter();
+                *sum += u64::from(pixels.map(|pixel| luma(*pixel)).sum::<u32>());
             }
         }
         values.extend(sums.iter().map(|sum| (sum / divisor) as u8));
@@ -120,6 +120,8 @@ mod tests {
             [0, 10, 99, 20, 30, 99, 7, 7, 7]
         );
         assert!(grey_reduced(&picture, 4).values.is_empty());
+        let white = Picture::with_colour(ImageSize::new(300, 600), [255; 4]);
+        assert_eq!(grey_reduced(&white, 300).values, [255; 2]);
     }
 
     #[test]

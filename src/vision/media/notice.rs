@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use touchline_core::geometry::{pluralise, thousands};
 
 /// A remark about a folder or a video, shown once; the source can be used.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +29,8 @@ pub enum Notice {
         /// The video.
         path: PathBuf,
     },
-    /// Seeking in the video gave other pictures than playing it, so it is played from its start
-    /// instead.
+    /// Seeking in the video gave other pictures than playing it, or its times go back and stand for
+    /// several frames, so it is played from its start instead.
     NoJumping {
         /// The video.
         path: PathBuf,
@@ -66,8 +67,10 @@ impl fmt::Display for Notice {
             } => {
                 write!(
                     f,
-                    "{} states {stated} frames, {decoded} decode. Numbering follows decoded frames.",
-                    name(path)
+                    "{} states {}, {} decode. Numbering follows decoded frames.",
+                    name(path),
+                    pluralise(*stated, "frame"),
+                    thousands(*decoded)
                 )
             }
             Self::UnevenFrameTimes { path, fps } => write!(
@@ -99,6 +102,29 @@ impl fmt::Display for Notice {
                     name(path)
                 )
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_agree_with_their_nouns() {
+        for (stated, decoded, counts) in [
+            (1, 2, "1 frame, 2 decode"),
+            (135_000, 134_998, "135,000 frames, 134,998 decode"),
+        ] {
+            let notice = Notice::FramesStated {
+                path: PathBuf::from("videos/match.mkv"),
+                stated,
+                decoded,
+            };
+            assert_eq!(
+                notice.to_string(),
+                format!("match.mkv states {counts}. Numbering follows decoded frames.")
+            );
         }
     }
 }

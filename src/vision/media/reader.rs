@@ -1,7 +1,7 @@
 //! Reading frames, with videos kept open between calls.
 
 use super::{CountProgress, FrameRef, MediaError, Notice, Picture, Video, VideoInfo, load_image};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use touchline_core::progress::Progress;
@@ -48,8 +48,8 @@ impl<R: ReadFrames + ?Sized> ReadFrames for &mut R {
 pub struct FrameReader {
     /// The videos used last, the latest at the end.
     videos: Vec<Video>,
-    /// The videos whose notices were returned before.
-    noticed: BTreeSet<Arc<Path>>,
+    /// The remarks about each video when it was opened last.
+    noticed: BTreeMap<Arc<Path>, Vec<Notice>>,
     notices: Vec<Notice>,
     /// Receives the progress of counting a video's frames, from 0 for each video.
     counting: Progress<'static, CountProgress>,
@@ -78,7 +78,7 @@ impl FrameReader {
     pub fn with_progress(counting: Progress<'static, CountProgress>) -> Self {
         Self {
             videos: Vec::new(),
-            noticed: BTreeSet::new(),
+            noticed: BTreeMap::new(),
             notices: Vec::new(),
             counting,
         }
@@ -95,7 +95,8 @@ impl FrameReader {
         }
     }
 
-    /// Remarks for the user about the videos opened since the last call, once per video.
+    /// Remarks for the user about the videos opened since the last call; those about a video come
+    /// once, and again if it was replaced by one that needs others.
     pub fn take_notices(&mut self) -> Vec<Notice> {
         std::mem::take(&mut self.notices)
     }
@@ -123,13 +124,20 @@ impl FrameReader {
             Some(video) => video,
             None => Video::open_with_progress(path, &self.counting.renew())?,
         };
-        if self.noticed.insert(Arc::clone(&video.info().path)) {
-            self.notices.extend(video.info().notices.iter().cloned());
-        }
+        self.note_remarks(video.info());
         if self.videos.len() >= OPEN_VIDEOS {
             self.videos.remove(0);
         }
         Ok(self.videos.push_mut(video))
+    }
+
+    /// Notes the remarks about a video unless they are those of the last time.
+    fn note_remarks(&mut self, info: &VideoInfo) {
+        if self.noticed.get(&info.path) != Some(&info.notices) {
+            self.notices.extend(info.notices.iter().cloned());
+            self.noticed
+                .insert(Arc::clone(&info.path), info.notices.clone());
+        }
     }
 }
 
@@ -140,5 +148,44 @@ impl ReadFrames for FrameReader {
 
     fn take_notices(&mut self) -> Vec<Notice> {
         Self::take_notices(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::media::FrameClock;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn remarks_come_once_and_again_where_a_video_was_replaced() {
+        let path: Arc<Path> = Arc::from(Path::new("match.mp4"));
+        let mut info = VideoInfo {
+            path: Arc::clone(&path),
+            size: ImageSize::new(64, 36),
+            rotation_deg: 0,
+            fps: 25.0,
+            stated_frames: 9,
+            decoded_frames: 9,
+            interlaced: true,
+            clock: FrameClock::Even {
+                first_s: 0.0,
+                fps: 25.0,
+            },
+            notices: vec![Notice::Interlaced {
+                path: path.to_path_buf(),
+            }],
+        };
+        let mut reader = FrameReader::new();
+        reader.note_remarks(&info);
+        reader.note_remarks(&info);
+        assert_eq!(reader.take_notices(), info.notices);
+        info.notices = vec![Notice::NoJumping {
+            path: path.to_path_buf(),
+        }];
+        reader.note_remarks(&info);
+        assert_eq!(reader.take_notices(), info.notices);
+        reader.note_remarks(&info);
+        assert_eq!(reader.take_notices(), []);
     }
 }

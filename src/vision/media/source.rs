@@ -1,6 +1,6 @@
 //! The source of a project's frames, and references to single frames.
 
-use super::folder::has_image_extension;
+use super::folder::{has_image_extension, has_utf8_name};
 use super::{
     CountProgress, FolderListing, MediaError, Notice, Video, VideoInfo, image_size, list_images,
 };
@@ -92,7 +92,7 @@ impl FrameSource {
     /// counted.
     ///
     /// # Errors
-    /// Those of [`list_images`], [`image_size`] and [`Video::open`].
+    /// Those of [`list_images`], [`image_size`] and [`Video::open`]; [`MediaError::NameNotUtf8`].
     pub fn open(path: &Path) -> Result<Self, MediaError> {
         Self::open_with_progress(path, &Progress::default())
     }
@@ -108,6 +108,10 @@ impl FrameSource {
     ) -> Result<Self, MediaError> {
         if path.is_dir() {
             Ok(Self::Folder(list_images(path)?))
+        } else if !has_utf8_name(path) {
+            Err(MediaError::NameNotUtf8 {
+                path: path.to_path_buf(),
+            })
         } else if has_image_extension(path) {
             // Reading the header reports a missing or damaged file here, not when it is first
             // shown.
@@ -199,5 +203,20 @@ mod tests {
             FrameSource::open(&missing).unwrap_err(),
             MediaError::Missing { path: missing }
         );
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_of_a_name_that_no_document_keeps_is_refused() {
+        use std::os::unix::ffi::OsStrExt;
+        let folder = tempfile::tempdir().unwrap();
+        for name in [&b"\xff.png"[..], &b"\xff.mp4"[..]] {
+            let path = folder.path().join(std::ffi::OsStr::from_bytes(name));
+            std::fs::write(&path, "").unwrap();
+            assert_eq!(
+                FrameSource::open(&path).unwrap_err(),
+                MediaError::NameNotUtf8 { path }
+            );
+        }
     }
 }

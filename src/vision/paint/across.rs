@@ -15,14 +15,11 @@ const COLOUR_PX: [f64; 3] = [2.0, 3.5, 5.0];
 
 /// A ridge of paint across a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ridge {
+pub(super) struct Ridge {
     /// Offset of its centre from the predicted line, px along the normal.
     pub offset_px: f64,
     /// Full width at half the contrast, px.
     pub width_px: f64,
-    /// On turf, brightness above the brighter of its sides; on a floor, distance of its colour from
-    /// all mixtures of its sides' colours. Grey levels.
-    pub contrast: f64,
 }
 
 /// The position, direction and expected width of a search for paint.

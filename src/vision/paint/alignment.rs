@@ -30,7 +30,7 @@
 //! over the reach of the search. `snap.rs` reads the picture again around the result, within a
 //! smaller reach, and repeats the alignment.
 
-use super::LineObservations;
+use super::sightings::LineObservations;
 use nalgebra::{SMatrix, Vector1};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldElement;

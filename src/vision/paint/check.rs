@@ -15,10 +15,10 @@
 //!
 //! The rest of [`LineCheck`] describes the fit and finds fields of another size.
 
+use super::GroundPicture;
 use super::alignment::{LinearisedCamera, RidgeAlignment, StepPx};
-use super::sightings::{SampleContent, SamplingDistances};
+use super::sightings::{LineObservations, SampleContent, SamplingDistances};
 use super::unexplained::unexplained_share;
-use super::{GroundPicture, LineObservations};
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::field::FieldModel;
@@ -242,7 +242,7 @@ pub fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64
 }
 
 /// The high median; infinite if there are no values.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
+fn median(mut values: Vec<f64>) -> f64 {
     median_high(&mut values).unwrap_or(f64::INFINITY)
 }
 

@@ -245,7 +245,6 @@ mod tests {
         let ridges = vec![Ridge {
             offset_px: 2.5,
             width_px: 3.0,
-            contrast: 40.0,
         }];
         let place = PaintedSample {
             normal: Vec2::new(0.6, 0.8),

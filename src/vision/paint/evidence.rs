@@ -231,7 +231,6 @@ mod tests {
         marking_pixels.points = vec![MarkingPixel {
             at: ImagePoint::new(480.0, 269.5),
             normal: Vec2::new(1.0, 0.0),
-            length_px: 100.0,
         }];
         let maps = EvidenceMaps::from_marking_pixels(&marking_pixels, 2.0);
         // Two cells of 1 px to the left of the border, in three directions.

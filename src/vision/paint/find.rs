@@ -86,14 +86,24 @@ pub enum FindError {
         agreement: f64,
     },
     /// Two different cameras fit nearly as well.
-    #[error("another camera {apart_px:.0} px away fits the painted lines nearly as well")]
+    #[error("another camera {} fits the painted lines nearly as well", place_of_other(*.apart_px))]
     Ambiguous {
-        /// Median distance between the overlays of the two cameras, px.
+        /// Median distance between the overlays of the two cameras, px; infinite if they show
+        /// hardly anything in common.
         apart_px: f64,
     },
     /// The caller stopped the search.
     #[error("the search was stopped")]
     Stopped,
+}
+
+/// Where a camera lies that fits nearly as well.
+fn place_of_other(apart_px: f64) -> String {
+    if apart_px.is_finite() {
+        format!("{apart_px:.0} px away")
+    } else {
+        "that looks elsewhere".to_owned()
+    }
 }
 
 /// The result of the camera search.
@@ -542,6 +552,19 @@ mod tests {
         };
         let refused = found(&PICTURE, &elsewhere);
         assert!(refused.is_err(), "{refused:?}");
+    }
+
+    #[test]
+    fn another_camera_that_looks_elsewhere_is_no_number_of_pixels_away() {
+        let says = |apart_px: f64| FindError::Ambiguous { apart_px }.to_string();
+        assert_eq!(
+            says(f64::INFINITY),
+            "another camera that looks elsewhere fits the painted lines nearly as well"
+        );
+        assert_eq!(
+            says(210.0),
+            "another camera 210 px away fits the painted lines nearly as well"
+        );
     }
 
     #[test]

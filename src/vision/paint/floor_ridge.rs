@@ -171,7 +171,6 @@ fn ridge(profile: &ColourProfile, across: &Across, index: usize) -> Option<Ridge
     Some(Ridge {
         offset_px,
         width_px: to_px - from_px,
-        contrast,
     })
 }
 

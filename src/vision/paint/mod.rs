@@ -3,7 +3,6 @@
 //! | what | where |
 //! |---|---|
 //! | [`GroundPicture`] | a prepared picture: brightness, the colours of its ground, masks |
-//! | [`LineObservations`] | the ridges of paint across the lines that a camera predicts |
 //! | [`check_lines`], [`LineCheck`] | a test of a camera against the paint that it predicts |
 //! | [`snap`], [`Snapped`] | pan, tilt and focal length aligned to the paint, or the reason why not |
 //! | [`paint_places`], [`PaintPlace`] | where a picture shows the paint that a camera predicts, for the joint adjustment of many frames |
@@ -64,7 +63,6 @@ mod surface;
 mod turf_levels;
 mod unexplained;
 
-pub use across::Ridge;
 pub use agreement::Agreement;
 pub use check::{LineCheck, check_lines, overlays_apart_px};
 pub use contrast::LineContrast;
@@ -76,6 +74,5 @@ pub use persistent::{GroundDirections, PersistentPoint, persistent_paint};
 pub use placed_point::{PointSnapOptions, SnappedPoint};
 pub use places::{PaintPlace, paint_places};
 pub use point::snap_point;
-pub use sightings::{LineObservations, SampleContent};
 pub use snap::{SnapOptions, Snapped, snap};
 pub use surface::Surface;

@@ -95,7 +95,6 @@ impl RidgeFinder {
             let ridge = Ridge {
                 offset_px: f64::midpoint(from_px, to_px),
                 width_px: to_px - from_px,
-                contrast,
             };
             if is_like_paint(ground, across, &ridge, reach_px) {
                 found.push(ridge);

@@ -16,7 +16,7 @@ const BARE: f64 = 0.75;
 
 /// What is seen at one sample of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub enum SampleContent {
+pub(super) enum SampleContent {
     /// Ridges, as a range of indices into [`LineObservations::ridges`].
     Paint(Range<usize>),
     /// Ground without paint.
@@ -27,7 +27,7 @@ pub enum SampleContent {
 
 /// What a picture shows at every sample of the lines.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LineObservations {
+pub(super) struct LineObservations {
     /// The samples of the predicted lines.
     pub samples: Vec<LineSample>,
     /// What is seen at each sample.

@@ -64,8 +64,6 @@ pub struct Surface {
     /// false on turf.
     of_areas: Vec<bool>,
     is_turf: bool,
-    /// Share of the sampled pixels that have the ground's colours.
-    share: f64,
 }
 
 /// The part of the ground that a pixel shows.
@@ -120,7 +118,6 @@ impl Surface {
             .filter(|(_, of)| **of)
             .map(|(count, _)| count)
             .sum();
-        let all = bins.rows.iter().map(Vec::len).sum::<usize>() as f64;
         // Turf or floor, by the most common colour.
         let (red, green) = (share_of(peak / BINS), share_of(peak % BINS));
         let is_turf = green - red.max(1.0 - red - green) > GREEN;
@@ -134,7 +131,6 @@ impl Surface {
             of_bare_ground,
             of_areas,
             is_turf,
-            share: sum / all.max(1.0),
         }
     }
 
@@ -166,12 +162,6 @@ impl Surface {
     #[must_use]
     pub const fn is_turf(&self) -> bool {
         self.is_turf
-    }
-
-    /// The share of the picture that has the ground's colours, from 0 to 1.
-    #[must_use]
-    pub const fn share(&self) -> f64 {
-        self.share
     }
 }
 
@@ -329,25 +319,13 @@ mod tests {
                 && !surface.holds([190, 30, 40])
                 && !surface.holds([2, 4, 1])
         );
-        assert!(
-            (surface.share() - 5.0 / 7.0).abs() < 0.15,
-            "{}",
-            surface.share()
-        );
     }
 
     #[test]
     fn a_picture_without_pixels_or_light_has_no_ground() {
-        let none =
-            Surface::from_picture(&Picture::with_colour(ImageSize::new(0, 0), [0, 0, 0, 255]));
-        assert!(none.share() == 0.0 && !none.holds([60, 110, 40]));
-        assert!(
-            Surface::from_picture(&Picture::with_colour(
-                ImageSize::new(64, 64),
-                [3, 3, 3, 255]
-            ))
-            .share()
-                == 0.0
-        );
+        for size in [ImageSize::new(0, 0), ImageSize::new(64, 64)] {
+            let none = Surface::from_picture(&Picture::with_colour(size, [3, 3, 3, 255]));
+            assert!(!none.holds([60, 110, 40]), "{size:?}");
+        }
     }
 }

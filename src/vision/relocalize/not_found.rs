@@ -1,7 +1,7 @@
 //! Reasons why relocalization returns no camera.
 
 use thiserror::Error;
-use touchline_core::geometry::Angle;
+use touchline_core::geometry::{Angle, pluralise};
 
 /// The reason why no camera is returned. None of these is a failure of the program: some pictures
 /// cannot be relocalized.
@@ -53,8 +53,9 @@ pub enum NotFound {
     },
     /// There is a camera, but its probability is below the required one.
     #[error(
-        "{inliers} features in {places} places agree on a camera known to {worst_corner_sigma_px:.1} px: right with \
-         probability {confidence:.2} only; label a frame that looks here"
+        "{inliers} features in {} agree on a camera {}: right with probability {confidence:.2} only; label a frame that \
+         looks here",
+        pluralise(*places, "place"), accuracy(*worst_corner_sigma_px)
     )]
     Unsure {
         /// The probability that it is right.
@@ -63,9 +64,18 @@ pub enum NotFound {
         inliers: usize,
         /// Number of cells of the picture that contain them.
         places: usize,
-        /// 1-σ of the overlay at the worst corner, px.
+        /// 1-σ of the overlay at the worst corner, px; infinite if the picture leaves it open.
         worst_corner_sigma_px: f64,
     },
+}
+
+/// How well a camera is known, in words.
+fn accuracy(worst_corner_sigma_px: f64) -> String {
+    if worst_corner_sigma_px.is_finite() {
+        format!("known to {worst_corner_sigma_px:.1} px")
+    } else {
+        "that does not determine the overlay".to_owned()
+    }
 }
 
 impl NotFound {
@@ -77,6 +87,35 @@ impl NotFound {
             Self::NoAgreement { .. } | Self::Unsure { .. } => "few_inliers",
             Self::Implausible { .. } => "implausible",
             Self::StandsStill { .. } => "burnt_in",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unsure_camera_says_how_well_it_is_known() {
+        for (places, worst_corner_sigma_px, expected) in [
+            (1, 41.3, "1 place agree on a camera known to 41.3 px"),
+            (
+                3,
+                f64::INFINITY,
+                "3 places agree on a camera that does not determine the overlay",
+            ),
+        ] {
+            let unsure = NotFound::Unsure {
+                confidence: 0.2,
+                inliers: 8,
+                places,
+                worst_corner_sigma_px,
+            };
+            let said = unsure.to_string();
+            assert!(
+                said.starts_with(&format!("8 features in {expected}: right")),
+                "{said}"
+            );
         }
     }
 }

@@ -452,7 +452,7 @@ fn training_can_be_stopped_and_counts_honestly() {
     let error = train(&nothing, &TrainOptions::default(), &Progress::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "1 references give no features to learn from"
+        "no features to learn from in 1 reference; label frames that show the stadium"
     );
 }
 

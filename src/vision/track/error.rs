@@ -3,6 +3,7 @@
 #[cfg(feature = "opencv")]
 use crate::media::one_line;
 use thiserror::Error;
+use touchline_core::geometry::pluralise;
 
 /// Why frames could not be matched or adjusted.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -22,8 +23,8 @@ pub enum TrackError {
     },
     /// Too few frames, or frames that matches do not connect.
     #[error(
-        "{frames} frames with {edges} pairwise matches between them; at least 2 frames that show the \
-         same are needed"
+        "{} with {} between them; at least 2 frames that show the same are needed",
+        pluralise(*frames, "frame"), pluralise(*edges, "matched pair")
     )]
     TooFew {
         /// Number of frames to adjust.
@@ -33,8 +34,9 @@ pub enum TrackError {
     },
     /// No rotation and zoom explains the pairwise matches.
     #[error(
-        "the {edges} pairwise matches of {frames} frames fit no camera that only rotates and \
-         zooms: they lie {residual_px:.1} px off"
+        "no camera that only rotates and zooms fits the {} of {frames} frames: the matches lie \
+         {residual_px:.1} px off",
+        pluralise(*edges, "matched pair")
     )]
     NotTurning {
         /// Number of frames to adjust.
@@ -53,5 +55,36 @@ impl TrackError {
         Self::OpenCv {
             reason: one_line(&error.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_agree_with_their_nouns() {
+        let [alone, pair] = [
+            TrackError::TooFew {
+                frames: 1,
+                edges: 0,
+            },
+            TrackError::NotTurning {
+                frames: 2,
+                edges: 1,
+                residual_px: 9.5,
+            },
+        ]
+        .map(|error| error.to_string());
+        assert_eq!(
+            alone,
+            "1 frame with 0 matched pairs between them; at least 2 frames that show the same are \
+             needed"
+        );
+        assert_eq!(
+            pair,
+            "no camera that only rotates and zooms fits the 1 matched pair of 2 frames: the \
+             matches lie 9.5 px off"
+        );
     }
 }

@@ -4,7 +4,7 @@
 //! | what | where |
 //! |---|---|
 //! | [`match_frames_pairwise`], [`ViewGraphEdge`] | pairwise matches: correspondences of two frames that one rotation and one zoom explain |
-//! | [`CutFinder`] | where one shot of a video ends and the next begins |
+//! | [`find_cuts`] | where one shot of a video ends and the next begins |
 //! | [`PointFollower`], [`propagate`], [`adjust_clip`], [`smooth`] | a clip whose camera has a known base: points tracked by optical flow, cameras propagated from known frames to all others, adjusted together and smoothed |
 //! | [`groups`] | connected components of the view graph |
 //! | [`adjust_matched_frames`] | pan, tilt and focal length of matched frames with a known base, from the matches and a prior of each frame |
@@ -54,7 +54,7 @@ pub use clip::{
     PointTrack, PointTracks, PropagateOptions, PropagatedClip, PropagationStop, SmoothOptions,
     UnsmoothedFrame, adjust_clip, propagate, smooth,
 };
-pub use cuts::{CutFinder, FoundCut, Miniature, find_cuts};
+pub use cuts::{FoundCut, find_cuts};
 pub use error::TrackError;
 pub use group::groups;
 pub use matched_frames::{adjust_matched_frames, fill_missing_cameras};

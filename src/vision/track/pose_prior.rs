@@ -87,7 +87,8 @@ impl PosePrior {
             return self.ptz;
         }
         let by = self.offset(ptz);
-        let far = by.dot(&(self.information * by)).sqrt();
+        // Rounding may leave the information of an uncertain direction slightly negative.
+        let far = by.dot(&(self.information * by)).max(0.0).sqrt();
         if far <= sigmas {
             ptz
         } else {
@@ -144,6 +145,15 @@ mod tests {
             (stopped.pan.turn_from(ptz.pan).degrees() - 0.1).abs() < 1e-9,
             "{stopped:?}"
         );
+    }
+
+    #[test]
+    fn information_that_rounding_made_negative_gives_a_camera() {
+        let ptz = Ptz::from_degrees(3.0, -10.0, 2000.0);
+        let information = Mat3::from_diagonal(&Vec3::new(1e6, -1e-9, 1e6));
+        let prior = PosePrior::new(0, ptz, information, PriorSource::Person);
+        let tilted = Ptz::from_degrees(3.0, -9.0, 2000.0);
+        assert_eq!(prior.towards(tilted, 1.0), tilted);
     }
 
     #[test]

@@ -90,7 +90,7 @@ impl Action {
             Self::Edit(_)
                 | Self::Navigate(_)
                 | Self::Hold(..)
-                | Self::Transfer(TransferAction::TakeOver)
+                | Self::Transfer(TransferAction::TakeOver | TransferAction::TakeOverAndMend)
         )
     }
 }

@@ -117,6 +117,11 @@ impl Operation for BaseEstimate {
         result: Result<Box<EstimatedBase>, Failure<BaseEstimateError>>,
     ) {
         match result {
+            Ok(_) if !self.has_field_of(app) => {
+                let text = "The field changed in the meantime; the estimated base was discarded.";
+                let offers = [("Estimate again", Command::EstimateBase)];
+                app.session.notify_with(Level::Info, text, offers);
+            }
             Ok(found) => {
                 let hint = app.settings.keys.with_key(Command::Compare, |key| {
                     format!("; hold {key} for the current base")
@@ -134,6 +139,13 @@ impl Operation for BaseEstimate {
 }
 
 impl BaseEstimate {
+    /// Whether the camera's field is still the one with which the base is estimated.
+    fn has_field_of(&self, app: &App) -> bool {
+        let Some(open) = &app.open else { return false };
+        let field = self.document.field_of_camera(&self.camera);
+        field.is_same_field(open.document.field_of_camera(&self.camera))
+    }
+
     /// Estimates the base from clicks alone.
     fn estimate(
         &self,

@@ -6,8 +6,8 @@
 //! with them as usual; the points that were followed for the refinement are reused.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::operations::UnderWay;
 use crate::app::operations::clip_tracking::describe_progress;
+use crate::app::operations::{UnderWay, has_same_base_and_field};
 use crate::app::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
@@ -17,10 +17,9 @@ use touchline_calibration::calibrate::{
     BulkChange, ClipEvidence, ClipFrames, ClipProgress, clip_of_frame,
 };
 use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
-use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Camera, CameraId, Document, FieldSpec, Step};
+use touchline_documents::document::{Camera, Document, FrameId, Step};
 
 /// Refines the base of a clip's camera.
 pub struct BaseRefinement {
@@ -69,12 +68,21 @@ pub enum BaseRefinementError {
     Stopped,
 }
 
-/// The running refinement. `evidence` belongs to a refined base that is being written into the
-/// document; the tracking that follows uses it.
+/// The running refinement.
 #[derive(Debug, Default)]
 pub(in crate::app) struct BaseRefinementState {
     slot: Slot<BaseRefinement>,
-    evidence: Option<Arc<ClipEvidence>>,
+    /// The clip that is tracked as soon as its refined base has been written into the document.
+    refined: Option<RefinedClip>,
+}
+
+/// A clip on which a base was refined.
+#[derive(Debug)]
+struct RefinedClip {
+    /// One frame of the clip.
+    frame: FrameId,
+    /// What was followed through its pictures.
+    evidence: Arc<ClipEvidence>,
 }
 
 // ---- The work ----
@@ -188,14 +196,6 @@ impl BaseRefinement {
     fn clip(&self) -> Option<ClipFrames> {
         clip_of_frame(self.document.at(&self.folder), self.frame)
     }
-
-    /// The camera of the clip.
-    fn camera(&self) -> Option<&CameraId> {
-        self.document
-            .frames
-            .get(self.frame)
-            .map(|frame| &frame.camera)
-    }
 }
 
 // ---- In the application ----
@@ -252,13 +252,16 @@ impl App {
     /// Writes a refined base into the document, as one step of undo, and tracks the clip with it.
     fn take_refined_base(&mut self, refinement: &BaseRefinement, refined: RefinedBase) {
         let Some(open) = &self.open else { return };
-        let Some(camera) = refinement.camera() else {
+        let before = &refinement.document;
+        let Some(frame) = before.frames.get(refinement.frame) else {
             return;
         };
+        let camera = &frame.camera;
         // A refinement may change base and field, and is valid only for those that it began with.
-        let before = base_and_field(&refinement.document, camera);
-        if base_and_field(&open.document, camera) != before {
-            let text = "The base changed in the meantime; the refined one was discarded.";
+        let [field, field_before] = [&open.document, before].map(|of| of.field_of_camera(camera));
+        if !has_same_base_and_field(&open.document, before, camera) || field != field_before {
+            let text = "The base or the field changed in the meantime; the refined base was \
+                        discarded.";
             self.session.notify(Level::Info, text);
             return;
         }
@@ -267,35 +270,38 @@ impl App {
             off_px,
             evidence,
         } = refined;
-        let after = base_and_field(&found, camera);
-        let (true, Some(base)) = (after != before, after.0) else {
+        let is_refined = !has_same_base_and_field(&found, before, camera);
+        let base = found.camera(camera).and_then(Camera::base);
+        let Some(base) = base.filter(|_| is_refined) else {
             self.session.notify(
                 Level::Info,
                 "The base already lies on the painted lines of this shot.",
             );
             return;
         };
-        // Only the base and the field are copied; everything else may have changed since the work
-        // started.
+        // Only the base and the camera's field, which may be the document's, are copied; everything
+        // else may have changed since the work started.
         let mut numbers = open.document.clone();
-        numbers.field.clone_from(&found.field);
         if let (Some(known), Some(of_found)) = (numbers.camera_mut(camera), found.camera(camera)) {
             known.set_base(&base);
-            known.field.clone_from(&of_found.field);
+            if of_found.field.is_some() {
+                known.field.clone_from(&of_found.field);
+            } else {
+                numbers.field.clone_from(&found.field);
+            }
         }
-        self.operations.base_refinement.evidence = Some(Arc::new(evidence));
+        self.operations.base_refinement.refined = Some(RefinedClip {
+            frame: frame.id.clone(),
+            evidence: Arc::new(evidence),
+        });
         let change = BulkChange::Numbers(Box::new(numbers));
         let is_changed = self.change_in_bulk(
             Step::on_document("Refine the base on the shot"),
             change,
             |app, _| {
-                let evidence = app
-                    .operations
-                    .base_refinement
-                    .evidence
-                    .take()
-                    .unwrap_or_default();
-                app.track_with_refined_base(evidence);
+                if let Some(clip) = app.operations.base_refinement.refined.take() {
+                    app.track_with_refined_base(&clip.frame, clip.evidence);
+                }
             },
         );
         // A change that was refused has reported that.
@@ -303,14 +309,6 @@ impl App {
             self.session.notify(Level::Info, describe_refined(off_px));
         }
     }
-}
-
-/// The base of a camera, if it has one, and its field.
-fn base_and_field(document: &Document, camera: &CameraId) -> (Option<CameraBase>, FieldSpec) {
-    (
-        document.camera(camera).and_then(Camera::base),
-        document.field_of_camera(camera).clone(),
-    )
 }
 
 // ---- Words ----

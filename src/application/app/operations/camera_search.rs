@@ -19,10 +19,11 @@ use touchline_calibration::calibrate::{
 };
 use touchline_calibration::pipelines::MatchOptions;
 use touchline_calibration::proposals::read_picture;
+use touchline_core::camera::CameraBase;
 use touchline_core::field::LandmarkId;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::base::FittedSize;
-use touchline_documents::document::{CameraId, Document, FrameId, Step, Target};
+use touchline_documents::document::{Camera, CameraId, Document, FrameId, Step, Target};
 
 /// Minimum number of frames. Fewer hardly separate what is painted on the ground from what moves
 /// over it.
@@ -146,7 +147,7 @@ impl Operation for CameraSearch {
                 app.ask_which_camera(two);
             }
             Ok(AutocalibrationAnswer::Abstained { why, clicks }) => {
-                let help = clicks_that_help(&why, clicks.as_ref(), |landmark| {
+                let help = clicks_that_help(&why, clicks.as_ref(), &self.document, |landmark| {
                     app.label(&Target::Landmark(landmark.clone()))
                 });
                 let why = describe_abstention(&why, &help);
@@ -312,6 +313,13 @@ impl App {
         else {
             return;
         };
+        // A base that the user has found in another way since takes precedence over both.
+        let camera = open.document.camera(&two.cameras[0].camera);
+        if let Some(base) = camera.and_then(Camera::base)
+            && two.cameras.iter().all(|found| !is_at(&found.found, &base))
+        {
+            return;
+        }
         // The choice is settled before the camera is used, or this would run again after it.
         let found = Arc::clone(&two.cameras[which]);
         self.operations.camera_search.left = SearchFollowUp::Nothing;
@@ -383,6 +391,11 @@ impl CameraSearchState {
     }
 }
 
+/// Whether a base is at the position of a found camera.
+fn is_at(found: &AutocalibratedCamera, base: &CameraBase) -> bool {
+    (found.base.position_m - base.position_m).norm() < 1e-6
+}
+
 // ---- Two answers ----
 
 /// A click decides for a camera if the other camera's projection is more than this many times as
@@ -420,13 +433,14 @@ impl TwoCameras {
             let [here, there] = deciding
                 .image
                 .map(|image| format!("({:.0}, {:.0})", image.x, image.y));
+            let frame = &search.document.frames[deciding.frame];
             let says = format!(
-                "{} is at {here} px with the first and at {there} px with the other",
-                label(&deciding)
+                "{} on frame {} is at {here} px with the first and at {there} px with the other",
+                label(&deciding),
+                frame.number_at(deciding.frame)
             );
-            let frame = search.document.frames[deciding.frame].id.clone();
             DecidingClick {
-                frame,
+                frame: frame.id.clone(),
                 landmark: deciding.landmark,
                 image: deciding.image,
                 says,
@@ -524,10 +538,12 @@ fn missing_view(why: &Abstention) -> String {
     }
 }
 
-/// The clicks that would replace the missing view. `label` returns the label of a landmark.
+/// The clicks in frames of `document` that would replace the missing view. `label` returns the
+/// label of a landmark.
 fn clicks_that_help(
     why: &Abstention,
     clicks: Option<&WantedClicks>,
+    document: &Document,
     label: impl Fn(&LandmarkId) -> String,
 ) -> String {
     match (why, clicks) {
@@ -536,7 +552,8 @@ fn clicks_that_help(
         }
         (_, Some(clicks)) => {
             let landmarks = clicks.describe_landmarks(|id| format!("“{}”", label(id)));
-            format!("click {landmarks} on frame {} and look again", clicks.frame)
+            let number = document.frames[clicks.frame].number_at(clicks.frame);
+            format!("click {landmarks} on frame {number} and look again")
         }
         (_, None) => "click 2 landmarks far from each other and look again".to_owned(),
     }
@@ -561,4 +578,32 @@ fn view_missing(doubts: &[Doubt]) -> String {
             .to_owned();
     }
     "Wide views of both ends and of the middle are missing: add such frames".to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{FieldSpec, Frame, VideoFrame};
+
+    #[test]
+    fn the_frame_to_click_in_has_the_number_that_the_window_shows() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for index in [0, 25, 50] {
+            let video = VideoFrame::new("match.mp4", index, None);
+            let frame = Frame::from_video(video, "main".into(), ImageSize::new(64, 36));
+            document.frames.push(frame.into());
+        }
+        let clicks = WantedClicks {
+            frame: 2,
+            landmarks: 2,
+            named: Vec::new(),
+        };
+        let why = Abstention::NothingFits;
+        let says = clicks_that_help(&why, Some(&clicks), &document, |_| String::new());
+        assert_eq!(
+            says,
+            "click 2 landmarks far from each other on frame 50 and look again"
+        );
+    }
 }

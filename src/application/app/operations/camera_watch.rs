@@ -74,7 +74,9 @@ impl App {
     /// The frame from which on the shown frame's camera no longer fits, if there is one.
     #[must_use]
     pub fn camera_change(&self) -> Option<&CameraChange> {
-        self.operations.camera_watch.change.as_ref()
+        // While this camera is being checked, the last result may be another one's.
+        let change = self.operations.camera_watch.change.as_ref()?;
+        (Some(&change.camera) == self.camera_id()).then_some(change)
     }
 
     /// Checks the shown frame's camera, unless this revision has been checked. A running check is
@@ -98,9 +100,9 @@ impl App {
         if state.of.as_ref() == Some(&of) || state.slot.is_running() {
             return;
         }
-        // Without a valid field nothing can be said; do not try again before the next edit.
+        // Without a valid field nothing can be said; its template may still be read.
         let Some(field) = self.current.field() else {
-            (state.of, state.change) = (Some(of), None);
+            (state.of, state.change) = (None, None);
             return;
         };
         let lookup = open.derived.lookup(&open.document);
@@ -120,13 +122,13 @@ impl App {
     /// Stores the result of a check, and reports a change that is new.
     fn camera_looked_at(&mut self, of: CheckedCamera, change: Option<CameraChange>) {
         let state = &mut self.operations.camera_watch;
-        if let Some(change) = &change {
+        if let (Some(change), Some(open)) = (&change, &self.open) {
             let reported = (of.camera.clone(), change.frame);
             if state.reported.as_ref() != Some(&reported) {
                 state.reported = Some(reported);
                 let button = [("New camera from here", Command::NewCameraFromChange)];
-                self.session
-                    .notify_with(Level::Warning, change.describe(), button);
+                let text = change.describe(&open.document);
+                self.session.notify_with(Level::Warning, text, button);
             }
         }
         (state.of, state.change) = (Some(of), change);

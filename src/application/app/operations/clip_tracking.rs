@@ -6,7 +6,7 @@
 //! were followed the first time are reused.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
-use crate::app::operations::UnderWay;
+use crate::app::operations::{UnderWay, has_same_base_and_field};
 use crate::app::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
@@ -19,7 +19,8 @@ use touchline_calibration::calibrate::{
 };
 use touchline_calibration::proposals::{BatchId, Finder, read_picture, suggest_tracked_clip};
 use touchline_core::field::{FieldError, FieldModel};
-use touchline_documents::document::{Camera, Document, Frame, Step};
+use touchline_core::geometry::pluralise;
+use touchline_documents::document::{Document, Frame, FrameId, Step};
 use touchline_vision::media::ReadFrames;
 
 /// Tracks cameras through a clip.
@@ -264,7 +265,7 @@ impl App {
         match command {
             Command::Track => {
                 self.commit_open_step();
-                self.track_clip_with(Arc::default(), Cause::Command);
+                self.track_clip_with(self.session.frame, Arc::default(), Cause::Command);
             }
             Command::RefineBaseOnShot => self.refine_base_on_shot(),
             Command::StopTracking if self.stop_refining_base() => {}
@@ -289,7 +290,8 @@ impl App {
             .picture_source(&open.folder)
             .is_some_and(|source| last.evidence.shows(&source));
         if shown && frame.is_solved_by_clicks() && self.why_not_track().is_none() {
-            self.track_clip_with(Arc::clone(&last.evidence), Cause::Correction);
+            let evidence = Arc::clone(&last.evidence);
+            self.track_clip_with(self.session.frame, evidence, Cause::Correction);
         }
     }
 
@@ -320,28 +322,31 @@ impl App {
         if self.why_not_track().is_none() {
             let last = self.operations.clip_tracking.last.as_ref();
             let evidence = last.map(|last| Arc::clone(&last.evidence));
-            self.track_clip_with(evidence.unwrap_or_default(), Cause::Drag);
+            self.track_clip_with(shown, evidence.unwrap_or_default(), Cause::Drag);
         }
     }
 
-    /// Tracks the shown clip with a base that was just refined on it. Reuses the points that were
-    /// followed for the refinement.
-    pub(super) fn track_with_refined_base(&mut self, evidence: Arc<ClipEvidence>) {
-        if self.why_not_track().is_none() {
-            self.track_clip_with(evidence, Cause::Command);
+    /// Tracks the clip of a frame with a base that was just refined on it; by now another clip may
+    /// be shown. Reuses the points that were followed for the refinement.
+    pub(super) fn track_with_refined_base(&mut self, frame: &FrameId, evidence: Arc<ClipEvidence>) {
+        let open = self.open.as_ref();
+        let place = open.and_then(|open| open.document.frames.position_of(frame));
+        if let Some(place) = place.filter(|_| self.why_not_follow_points().is_none()) {
+            self.track_clip_with(place, evidence, Cause::Command);
         }
     }
 
-    /// Starts a tracking of the shown clip that reuses `evidence`.
-    fn track_clip_with(&mut self, evidence: Arc<ClipEvidence>, cause: Cause) {
-        let (Some(open), Some(field)) = (&self.open, self.current.field().cloned()) else {
+    /// Starts a tracking of the clip of a frame that reuses `evidence`.
+    fn track_clip_with(&mut self, frame: usize, evidence: Arc<ClipEvidence>, cause: Cause) {
+        let Some(open) = &mut self.open else { return };
+        let Ok(field) = open.field_of(frame) else {
             return;
         };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
         self.start(ClipTracking {
             document,
             folder,
-            frame: self.session.frame,
+            frame,
             field,
             evidence,
             cause,
@@ -362,16 +367,12 @@ impl App {
             return;
         }
         let Some(open) = &mut self.open else { return };
-        // The result is valid only for the base with which it was tracked.
-        let base_now = open
-            .document
-            .camera(&tracking.document.frames[tracking.frame].camera)
-            .and_then(Camera::base);
-        if base_now.as_ref() != Some(&tracked.base) {
-            self.session.notify(
-                Level::Info,
-                "The base changed in the meantime; the tracked cameras were discarded.",
-            );
+        // The result is valid only for the base and the field with which it was tracked.
+        let camera = &tracking.document.frames[tracking.frame].camera;
+        if !has_same_base_and_field(&open.document, &tracking.document, camera) {
+            let text = "The base or the field changed in the meantime; the tracked cameras were \
+                        discarded.";
+            self.session.notify(Level::Info, text);
             return;
         }
         let taken = tracking.still_open_in(&open.document, tracked);
@@ -545,9 +546,11 @@ fn describe_length(
         "m was assumed"
     };
     format!(
-        "The painted lines of {frames} frames indicate a length of {:.2} ± {:.2} m, where {} \
-         {assumed}.",
-        size.value_m, size.sigma_m, size.assumed_m
+        "The painted lines of {} indicate a length of {:.2} ± {:.2} m, where {} {assumed}.",
+        pluralise(*frames, "frame"),
+        size.value_m,
+        size.sigma_m,
+        size.assumed_m
     )
 }
 
@@ -578,7 +581,9 @@ fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
     } else if tracked.missed.is_empty() {
         String::new()
     } else {
-        format!("; {} frames were not reached", tracked.missed.len())
+        let count = tracked.missed.len();
+        let were = if count == 1 { "was" } else { "were" };
+        format!("; {} {were} not reached", pluralise(count, "frame"))
     };
     format!("{got}{painted}{ended}.")
 }
@@ -586,11 +591,11 @@ fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::Action;
+    use crate::app::{Action, EditAction};
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_core::solve::base::FittedSize;
-    use touchline_documents::document::FieldSpec;
+    use touchline_documents::document::{Camera, FieldSpec};
 
     /// An application after a clip was tracked, with a camera at (1, −62, 17) m.
     fn app() -> App {
@@ -604,9 +609,10 @@ mod tests {
             size.centre(),
         ));
         document.cameras.push(camera.into());
-        document
-            .frames
-            .push(Frame::from_image("a.jpg", "main".into(), size).into());
+        for name in ["a.jpg", "b.jpg"] {
+            let frame = Frame::from_image(name, "main".into(), size);
+            document.frames.push(frame.into());
+        }
         let mut app = App::with_document(document);
         let finder = Finder::Command {
             name: Command::Track.name().to_owned(),
@@ -619,6 +625,70 @@ mod tests {
         };
         app.operations.clip_tracking.last = Some(last);
         app
+    }
+
+    /// A tracking of the shown clip as it would start now.
+    fn tracking(app: &App) -> ClipTracking {
+        let open = app.open().unwrap();
+        ClipTracking {
+            document: open.document.clone(),
+            folder: open.folder.clone(),
+            frame: 0,
+            field: Arc::clone(app.current().field().unwrap()),
+            evidence: Arc::default(),
+            cause: Cause::Command,
+        }
+    }
+
+    #[test]
+    fn cameras_that_were_tracked_with_another_field_are_discarded() {
+        for is_changed in [false, true] {
+            let mut app = app();
+            let tracking = tracking(&app);
+            let base = tracking.document.cameras[0].base().unwrap();
+            if is_changed {
+                let mut spec = app.shown_field_spec().unwrap().clone();
+                spec.params.insert("length_m".to_owned(), 101.0);
+                app.update(Action::Edit(EditAction::Field(spec)));
+            }
+            let tracked = TrackedClip {
+                base,
+                frames: Vec::new(),
+                references: Vec::new(),
+                missed: vec![1],
+                kept: 0,
+                stops: Vec::new(),
+                sigma_px: 0.5,
+                inflation: 1.0,
+                painted: 0,
+                jitter: None,
+                raw_jitter: None,
+            };
+            let outcome = TrackingOutcome {
+                tracked,
+                evidence: Arc::default(),
+                length: Ok(None),
+            };
+            app.take_tracked_clip(&tracking, outcome);
+            let said = &app.session.messages.notices.last().unwrap().text;
+            let is_taken = said.ends_with("; 1 frame was not reached.");
+            let is_discarded = said.ends_with("; the tracked cameras were discarded.");
+            assert_eq!(
+                (is_taken, is_discarded),
+                (!is_changed, is_changed),
+                "{said}"
+            );
+        }
+    }
+
+    #[cfg(feature = "opencv")]
+    #[test]
+    fn after_a_refinement_its_own_clip_is_tracked_whichever_is_shown() {
+        let mut app = app();
+        let frame = app.open().unwrap().document.frames[1].id.clone();
+        app.track_with_refined_base(&frame, Arc::default());
+        let running = app.operations.clip_tracking.slot.running().unwrap();
+        assert_eq!((app.session.frame, running.operation().frame), (0, 1));
     }
 
     fn measured(is_prescribed: bool) -> LengthOnLines {

@@ -2,8 +2,8 @@
 //! it from the lines alone if the frame has none.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
-use crate::app::operations::UnderWay;
-use crate::app::session::{Level, Mode};
+use crate::app::operations::{UnderWay, has_same_base_and_field};
+use crate::app::session::Level;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -86,6 +86,10 @@ impl Operation for FrameSnap {
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
         &mut app.operations.frame_snap.slot
+    }
+
+    fn must_wait(app: &App) -> bool {
+        app.is_amid_change()
     }
 
     fn take_over(
@@ -215,7 +219,8 @@ impl App {
         });
     }
 
-    /// Takes over an aligned camera, unless the frame has changed since the work started.
+    /// Takes over an aligned camera, unless the frame, its base or its field has changed since the
+    /// work started.
     ///
     /// A camera that was searched for a frame without users' work becomes a suggestion. Anything
     /// else is one step of undo.
@@ -223,15 +228,15 @@ impl App {
         // The position may have changed, the frame must not.
         let position = self.open.as_ref().and_then(|open| {
             let position = open.document.frames.position_of(&request.frame.id)?;
-            open.document.frames[position]
-                .is_same(&request.frame)
-                .then_some(position)
+            let camera = &request.frame.camera;
+            let is_valid = open.document.frames[position].is_same(&request.frame)
+                && has_same_base_and_field(&open.document, &request.document, camera);
+            is_valid.then_some(position)
         });
-        let Some(position) = position.filter(|_| self.session.mode == Mode::Idle) else {
-            self.session.notify(
-                Level::Info,
-                "The frame changed in the meantime and was not snapped.",
-            );
+        let Some(position) = position else {
+            let text = "The frame, its base or its field changed in the meantime; the camera on \
+                        the painted lines was discarded.";
+            self.session.notify(Level::Info, text);
             return;
         };
         // A result for an untouched frame is a suggestion,
@@ -384,9 +389,94 @@ fn describe_snap(
 mod tests {
     use super::*;
     use crate::app::guidance::next_step;
+    use crate::app::operation::Report;
+    use crate::app::{Action, EditAction, Navigation};
     use touchline_core::camera::{BaseAngles, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::geometry::{ImageSize, Mat3, Vec3};
+    use touchline_core::solve::Uncertainty;
     use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution, SolutionSource};
+    use touchline_vision::paint::LineCheck;
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    /// Two frames of a camera with a base, without points.
+    fn app() -> App {
+        let level = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, SIZE.centre());
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        for name in ["a.jpg", "b.jpg"] {
+            let frame = Frame::from_image(name, "main".into(), SIZE);
+            document.frames.push(frame.into());
+        }
+        App::with_document(document)
+    }
+
+    /// Starts a search of the painted lines of the first frame. Returns the report of its success.
+    fn search(app: &mut App) -> Action {
+        app.snap(true);
+        let base = app.current().base.unwrap();
+        let ptz = Ptz::from_degrees(0.0, -12.0, 1000.0);
+        let known = Mat3::from_diagonal(&Vec3::new(1e-7, 1e-7, 4.0));
+        let camera = PtzCamera::new(base, ptz);
+        let check = LineCheck {
+            predicted: 200,
+            found: 190,
+            bare: 10,
+            offset_px: 0.5,
+            bias_px: 0.0,
+            halves_px: 0.5,
+            unexplained: None,
+            emptiest: None,
+            agreement: 0.95,
+            score: 0.99,
+        };
+        let found = Snapped {
+            ptz,
+            own_lens: None,
+            samples: 190,
+            rms_px: 0.5,
+            halves_px: 0.5,
+            uncertainty: Uncertainty::from_covariance(&camera, known, SIZE).unwrap(),
+            check,
+        };
+        let id = app.operations.frame_snap.slot.running().unwrap().id();
+        let found = Box::new(CameraOnPaint { base, found });
+        Action::Report(Report::from_result::<FrameSnap>(id, Ok(found)))
+    }
+
+    fn is_suggested(app: &App) -> bool {
+        app.open().unwrap().document.frames[0].status == FrameStatus::Suggested
+    }
+
+    #[test]
+    fn a_camera_that_is_found_during_a_change_waits_for_its_end() {
+        let mut app = app();
+        let report = search(&mut app);
+        app.update(Action::Navigate(Navigation::GoTo(1)));
+        app.update(Action::Edit(EditAction::Begin("Change field")));
+        app.update(report);
+        assert!(!is_suggested(&app));
+        app.update(Action::Edit(EditAction::End));
+        assert!(is_suggested(&app));
+    }
+
+    #[test]
+    fn a_camera_that_was_found_with_another_base_is_discarded() {
+        let mut app = app();
+        let report = search(&mut app);
+        let mut camera = Camera::clone(&app.open().unwrap().document.cameras[0]);
+        let mut base = camera.base().unwrap();
+        base.position_m.y -= 5.0;
+        camera.set_base(&base);
+        app.update(Action::Edit(EditAction::Camera(Box::new(camera))));
+        app.update(report);
+        assert!(!is_suggested(&app));
+        let said = &app.session.messages.notices.last().unwrap().text;
+        assert!(said.contains("was discarded"), "{said}");
+    }
 
     #[test]
     fn the_camera_before_is_mentioned_only_with_a_key_that_shows_it() {

@@ -15,7 +15,9 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::markings::LineVerdict;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Document, Frame, FrameId, FrameStatus, PaintEvidence};
+use touchline_documents::document::{
+    Document, FieldSpec, Frame, FrameId, FrameStatus, PaintEvidence,
+};
 use touchline_vision::paint::LineCheck;
 
 /// Maximum number of frames examined after an action to find those that lack a check, so that
@@ -44,8 +46,8 @@ struct FrameToCheck {
     index: usize,
     frame: FrameId,
     camera: PtzCamera,
-    /// The field that the frame shows; none if it is invalid.
-    field: Option<Arc<FieldModel>>,
+    /// The field that the frame shows.
+    field: Arc<FieldModel>,
 }
 
 /// The line check of a frame's camera.
@@ -67,22 +69,16 @@ impl Operation for LineCheckBatch {
 
     fn run(&self, context: &Context<'_, Infallible>) -> Result<Vec<CheckedLines>, Infallible> {
         let at = self.document.at(&self.folder);
-        let num_frames = at.document.frames.len();
-        let frames: Vec<&FrameToCheck> = self
-            .frames
-            .iter()
-            .filter(|to_check| to_check.index < num_frames && to_check.field.is_some())
-            .collect();
         let mut reader = context.open_reader();
-        let pictures = PictureStream::new(at, frames.iter().map(|to_check| to_check.index))
+        let pictures = PictureStream::new(at, self.frames.iter().map(|to_check| to_check.index))
             .with_reader(&mut *reader)
             .with_progress(Progress::new(|_| context.check()));
-        let mut checked = Vec::with_capacity(frames.len());
+        let mut checked = Vec::with_capacity(self.frames.len());
         // The stream gives one item for each index, in their order, so that the two fit.
-        for (to_check, FramePicture { frame, picture, .. }) in frames.iter().zip(pictures) {
-            let seen = picture.ok().zip(to_check.field.as_ref());
-            let check =
-                seen.and_then(|(picture, field)| check_frame(at.document, frame, field, &picture));
+        for (to_check, FramePicture { frame, picture, .. }) in self.frames.iter().zip(pictures) {
+            let field = &to_check.field;
+            let seen = picture.ok();
+            let check = seen.and_then(|picture| check_frame(at.document, frame, field, &picture));
             checked.push(CheckedLines {
                 frame: to_check.frame.clone(),
                 camera: to_check.camera,
@@ -207,14 +203,13 @@ impl App {
         let Some(open) = self.open.as_mut().filter(|open| !open.history.is_open()) else {
             return;
         };
-        if self.operations.line_checks.slot.is_running() {
+        let checks = &mut self.operations.line_checks;
+        checks.follow_fields(&open.document);
+        if checks.slot.is_running() {
             return;
         }
         let selected = &self.session.frames_selected;
-        let frames = self
-            .operations
-            .line_checks
-            .next(open, self.session.frame, selected);
+        let frames = checks.next(open, self.session.frame, selected);
         if frames.is_empty() {
             return;
         }
@@ -311,6 +306,8 @@ impl LineCheckSummary {
 pub(in crate::app) struct LineChecks {
     slot: Slot<LineCheckBatch>,
     known: BTreeMap<FrameId, CheckedLines>,
+    /// The fields of the document for which they are known.
+    fields: Vec<FieldSpec>,
     /// Numbers of known cameras that are contradicted and supported. Counted incrementally, because
     /// every thumbnail that is drawn needs them.
     contradicted: usize,
@@ -370,6 +367,23 @@ impl LineChecks {
         (Some(known.camera) == open.document.ptz_camera(frame))
             .then_some(known.check)
             .flatten()
+    }
+
+    /// Forgets all checks, and the running one, if the document's fields have changed: what lies on
+    /// the lines of one field may lie beside those of another.
+    fn follow_fields(&mut self, document: &Document) {
+        let now: Vec<&FieldSpec> = document.fields().collect();
+        let mut pairs = now.iter().zip(&self.fields);
+        let is_same =
+            now.len() == self.fields.len() && pairs.all(|(now, before)| now.is_same_field(before));
+        if !is_same {
+            *self = Self {
+                fields: now.into_iter().cloned().collect(),
+                cursor: self.cursor,
+                accepted_unchecked: std::mem::take(&mut self.accepted_unchecked),
+                ..Self::default()
+            };
+        }
     }
 
     const fn is_informative(&self) -> bool {
@@ -435,7 +449,8 @@ impl LineChecks {
             .collect()
     }
 
-    /// The inputs of a frame's check, if the frame has a camera and lacks a check of it.
+    /// The inputs of a frame's check, if the frame has a camera and lacks a check of it. None while
+    /// its field is not valid, which may end: the user's own templates are read in the background.
     fn lacking(&self, open: &mut OpenProject, index: usize) -> Option<FrameToCheck> {
         let frame = open.frame(index)?;
         let recorded = frame
@@ -454,11 +469,12 @@ impl LineChecks {
             return None;
         }
         let frame = frame.id.clone();
+        let field = open.field_of(index).ok()?;
         Some(FrameToCheck {
             index,
             frame,
             camera,
-            field: open.field_of(index).ok(),
+            field,
         })
     }
 }
@@ -466,10 +482,13 @@ impl LineChecks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Command, Navigation};
+    use crate::app::{
+        Action, Command, DiskReport, EditAction, Effect, Navigation, Opened, Settings,
+    };
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use touchline_core::field::builtin;
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution, SolutionSource};
+    use touchline_documents::document::{Camera, FramePtz, Solution, SolutionSource};
 
     fn camera() -> PtzCamera {
         let base = CameraBase::new(
@@ -596,6 +615,43 @@ mod tests {
               the picture. Look at it again."
             ]
         );
+    }
+
+    /// Whether an action starts a check.
+    fn starts_check(app: &mut App, action: Action) -> bool {
+        let effects = app.update(action);
+        let mut started = effects.iter().filter_map(|effect| match effect {
+            Effect::Start(job) => Some(job.name()),
+            _ => None,
+        });
+        started.any(|name| name == LineCheckBatch::NAME)
+    }
+
+    #[test]
+    fn a_frame_is_checked_as_soon_as_its_field_has_been_read() {
+        let mut document = imported(1).open().unwrap().document.clone();
+        document.field = FieldSpec::new("own.json");
+        let opened = Opened::new(document, "/match/project.json");
+        let mut app = App::new(Settings::default());
+        assert!(!starts_check(&mut app, Action::Opened(Box::new(opened))));
+        let read = DiskReport::TemplateRead {
+            of: "/match/project.json".into(),
+            name: "own.json".to_owned(),
+            template: Ok(Box::new(builtin("soccer").unwrap().clone())),
+        };
+        assert!(starts_check(&mut app, Action::Disk(read)));
+    }
+
+    #[test]
+    fn a_check_holds_for_the_field_with_which_it_was_made() {
+        let mut app = imported(1);
+        report(&mut app, 0..1, 0.0);
+        assert!(app.own_paint_says(0).is_some());
+        let mut spec = app.shown_field_spec().unwrap().clone();
+        spec.params.insert("length_m".to_owned(), 100.0);
+        let change = Action::Edit(EditAction::Field(spec));
+        assert!(starts_check(&mut app, change));
+        assert_eq!(app.own_paint_says(0), None);
     }
 
     #[test]

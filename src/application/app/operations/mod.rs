@@ -58,6 +58,7 @@ use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
 use std::sync::Arc;
 use touchline_calibration::calibrate::EstimatedBase;
+use touchline_documents::document::{Camera, CameraId, Document};
 use transfer::TransferState;
 
 /// The state of each operation on the open document. Opening another document replaces this value,
@@ -112,6 +113,12 @@ pub struct UnderWay {
 }
 
 impl Operations {
+    /// Whether an export or a dataset is being written.
+    #[must_use]
+    pub fn is_export_under_way(&self) -> bool {
+        self.transfer.writing().is_some()
+    }
+
     /// The work that the status row shows: the first that runs, in the order of this list.
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
@@ -135,6 +142,14 @@ impl Operations {
     pub const fn proposed_base(&self) -> Option<&Arc<EstimatedBase>> {
         self.base_estimate.proposed_base()
     }
+}
+
+/// Whether a camera has the same base and field in two versions of a document. A result from one
+/// of them is not valid for the other if it has not.
+fn has_same_base_and_field(one: &Document, other: &Document, camera: &CameraId) -> bool {
+    let [base, base_there] = [one, other].map(|of| of.camera(camera).and_then(Camera::base));
+    let [field, field_there] = [one, other].map(|of| of.field_of_camera(camera));
+    base == base_there && field.is_same_field(field_there)
 }
 
 impl App {

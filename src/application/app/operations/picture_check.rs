@@ -80,6 +80,7 @@ impl Operation for PictureComparison {
         let check = PictureCheck::open(self.document.at(&self.folder));
         let count = self.document.frames.len();
         let mut found = OtherPictures::new();
+        let mut next_report = 1;
         for index in (0..count).map(|step| (self.shown + step) % count) {
             if context.check().is_break() {
                 break;
@@ -106,8 +107,12 @@ impl Operation for PictureComparison {
                         says: fault.to_string(),
                     },
                 );
-                // The warning over a frame appears at once. Whether to go on is checked above.
-                let _ = context.report(Arc::new(found.clone()));
+                // The warning over a frame appears at once. Each report is a copy of all, so that
+                // of many the reports get rarer. Whether to go on is checked above.
+                if found.len() >= next_report {
+                    next_report = found.len() + found.len() / 16 + 1;
+                    let _ = context.report(Arc::new(found.clone()));
+                }
             }
         }
         Ok(Arc::new(found))

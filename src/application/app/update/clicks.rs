@@ -143,6 +143,8 @@ impl App {
         if unnamed {
             self.open_naming(click);
         } else if placed {
+            // As after a choice from the list: only this point was to be on a line.
+            self.session.points.next_on_line = false;
             self.session.points.named_automatically = Some(click);
         }
     }
@@ -267,14 +269,12 @@ pub(super) fn clamp_to_picture(at: ImagePoint, size: ImageSize) -> ImagePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{Action, Command, EditAction, Effect, Navigation};
-    use touchline_core::geometry::ImageSize;
+    use crate::app::{Action, Command, EditAction, Effect, Navigation, PointerAction};
     use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
 
-    #[test]
-    fn a_held_arrow_key_is_one_step_and_each_edit_is_journalled() {
+    /// A frame with one click.
+    fn app(at: ImagePoint) -> App {
         let size = ImageSize::new(1920, 1080);
-        let at = ImagePoint::new(500.0, 400.0);
         let mut document = Document::new(FieldSpec::new("soccer"));
         document
             .cameras
@@ -285,9 +285,33 @@ mod tests {
         };
         frame.clicks.push(Click::landmark("centre_mark".into(), at));
         document.frames.push(frame.into());
-        let mut app = App::with_document(document);
+        App::with_document(document)
+    }
+
+    fn image(app: &App) -> ImagePoint {
+        app.frame().unwrap().clicks[0].image
+    }
+
+    #[test]
+    fn a_drag_ends_with_its_step() {
+        let at = ImagePoint::new(500.0, 400.0);
+        let mut app = app(at);
+        let drag_to = |x| Action::Pointer(PointerAction::Drag(ImagePoint::new(x, 400.0)));
+        app.update(Action::Pointer(PointerAction::Press { at, on: Some(0) }));
+        app.update(drag_to(520.0));
+        app.update(Action::Command(Command::Save));
+        app.update(drag_to(700.0));
+        app.update(Action::Pointer(PointerAction::Release));
+        assert_eq!(image(&app), ImagePoint::new(520.0, 400.0));
+        app.update(Action::Command(Command::Undo));
+        assert_eq!(image(&app), at);
+    }
+
+    #[test]
+    fn a_held_arrow_key_is_one_step_and_each_edit_is_journalled() {
+        let at = ImagePoint::new(500.0, 400.0);
+        let mut app = app(at);
         app.update(Action::Navigate(Navigation::Select(Some(0))));
-        let image = |app: &App| app.frame().unwrap().clicks[0].image;
         let nudge = |app: &mut App, dx_px: f64, held: bool| {
             let effects = app.update(Action::Edit(EditAction::Nudge {
                 dx_px,

@@ -161,6 +161,11 @@ impl App {
             C::MendNames if self.current.other_names().is_none() => {
                 Some("No other names fit these points.")
             }
+            C::ShowForBase | C::Snap | C::SearchLines | C::Track
+                if self.current.field().is_none() =>
+            {
+                Some("The field cannot be used: see the camera panel.")
+            }
             // Commands of operations; all others are available.
             _ => self.why_not_operation(command),
         }
@@ -443,8 +448,8 @@ impl App {
     /// Undoes the last step (`back`) or redoes the next one. If the step belongs to another frame,
     /// only shows that frame; the second press then changes it.
     fn undo(&mut self, back: bool) {
-        self.session.mode = Mode::Idle;
         self.commit_open_step();
+        self.session.mode = Mode::Idle;
         let Some(open) = &mut self.open else { return };
         let next = if back {
             open.history.next_undo()

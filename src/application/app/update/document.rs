@@ -45,6 +45,7 @@ impl App {
     pub(super) fn show_document(&mut self, opened: Opened) {
         // A new session keeps the log of messages, the panel and a part of the trainer's state.
         // Dropping the operations cancels all requests on the former document.
+        let was_writing = self.operations.is_export_under_way();
         self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
@@ -53,6 +54,10 @@ impl App {
         self.session.messages.log = log;
         self.session.trainer = trainer;
         self.session.panel = panel;
+        if was_writing {
+            let text = "The export was stopped, because another document was opened.";
+            self.session.notify(Level::Warning, text);
+        }
         for (level, text) in &opened.notices {
             self.session.notify(*level, text.clone());
         }
@@ -232,8 +237,8 @@ fn frame_to_resume_at(open: &OpenProject) -> usize {
 #[cfg(test)]
 mod tests {
     use crate::app::{
-        Action, App, DiskReport, EditAction, Effect, Navigation, Opened, PointerAction, Question,
-        Settings, ViewAction,
+        Action, App, Command, DiskReport, EditAction, Effect, Navigation, Opened, PointerAction,
+        Question, Settings, ViewAction,
     };
     use touchline_core::field::{FieldError, Template, builtin};
     use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -348,6 +353,7 @@ mod tests {
             app.current().field,
             Some(Err(FieldError::BeingRead { .. }))
         ));
+        assert!(app.why_not(Command::ShowForBase).is_some());
         assert_eq!(
             requests(app.update(Action::Navigate(Navigation::GoTo(1)))),
             [],
@@ -360,6 +366,7 @@ mod tests {
         );
         app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some(), "{:?}", app.current().field);
+        assert_eq!(app.why_not(Command::ShowForBase), None);
         assert_eq!(
             requests(app.update(Action::Navigate(Navigation::GoTo(0)))),
             []

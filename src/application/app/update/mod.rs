@@ -238,14 +238,15 @@ impl App {
         self.close_step();
     }
 
-    /// Commits the open step, if any, because the next action must not become a part of it.
+    /// Commits the open step, if any, because the next action must not become a part of it. A drag
+    /// or a series of edits ends with its step: what follows of it would belong to no step.
     pub(super) fn commit_open_step(&mut self) {
-        if self
-            .open
-            .as_ref()
-            .is_some_and(|open| open.history.is_open())
-        {
-            self.commit();
+        if self.is_amid_step() {
+            if let Mode::Dragging { .. } | Mode::Editing = self.session.mode {
+                self.session.mode = Mode::Idle;
+                self.session.points.grabbed = None;
+            }
+            self.commit_edits();
         }
     }
 

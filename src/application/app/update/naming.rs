@@ -4,7 +4,7 @@ use super::App;
 use crate::app::Command;
 use crate::app::current::rank_names;
 use crate::app::naming::unambiguous;
-use crate::app::session::{Level, Mode, Naming, OFFERED, PictureView};
+use crate::app::session::{Level, Mode, Naming, PictureView};
 use touchline_documents::document::{BetterName, Frame, Target};
 
 impl App {
@@ -118,7 +118,7 @@ impl App {
         };
         let Some(target) = naming
             .listed_candidates()
-            .get(index.min(OFFERED))
+            .get(index)
             .map(|candidate| candidate.target.clone())
         else {
             return;

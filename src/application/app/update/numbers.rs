@@ -59,8 +59,14 @@ impl App {
                 extra,
                 ..FramePtz::new(ptz, lens)
             });
+            // As after a solve, what other programs stated stays.
+            let Solution {
+                extra, imported, ..
+            } = frame.solution.take().unwrap_or_default();
             frame.solution = Some(Solution {
                 source: Some(SolutionSource::Manual),
+                imported,
+                extra,
                 ..Solution::default()
             });
             if frame.status != FrameStatus::Rejected {
@@ -105,13 +111,18 @@ impl App {
         })
     }
 
-    /// Ends a series of edits. If a camera or the field changed, solves all frames from clicks
-    /// again. Returns false, with a message, if that is impossible now; the edits are then undone.
+    /// Ends a series of edits: [`Self::commit_edits`].
     pub(super) fn end_edit(&mut self) -> bool {
         if self.session.mode != Mode::Editing {
             return true;
         }
         self.session.mode = Mode::Idle;
+        self.commit_edits()
+    }
+
+    /// Commits the open step. If a camera or the field changed in it, solves all frames from clicks
+    /// again. Returns false, with a message, if that is impossible now; the step is then undone.
+    pub(super) fn commit_edits(&mut self) -> bool {
         // `history.before` is the document at the beginning of the step.
         let changed = self.open.as_ref().and_then(|open| {
             let before = open.history.before()?;
@@ -236,10 +247,13 @@ fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
     let mut base = loaded.base()?;
     let scale = f64::from(camera.image_size.width) / f64::from(loaded.image_size.width.max(1));
     if camera.image_size != loaded.image_size {
+        // The principal point keeps its offset from the centre, also where the pictures have other
+        // proportions: they are cut off or padded on both sides alike.
+        let (from, to) = (loaded.image_size.centre(), camera.image_size.centre());
+        base.principal_point.x = to.x + scale * (base.principal_point.x - from.x);
+        base.principal_point.y = to.y + scale * (base.principal_point.y - from.y);
         // k₁ per 1000 px of focal length: pixels are in the denominator. The 1-σ of a number scales
         // as the number itself.
-        base.principal_point.x *= scale;
-        base.principal_point.y *= scale;
         base.sigma.principal_point_px *= scale;
         base.distortion.at_focal_px *= scale;
         base.distortion.per_1000_px /= scale;
@@ -269,8 +283,9 @@ mod tests {
     use crate::app::operations::transfer::TransferWrite;
     use crate::app::{Action, DiskReport, EditAction, Effect, Opened, Question};
     use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::field::builtin;
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
-    use touchline_documents::document::{Document, Frame};
+    use touchline_documents::document::{Click, Document, Frame};
 
     fn app(own_field: bool) -> App {
         let size = ImageSize::new(1920, 1080);
@@ -349,6 +364,65 @@ mod tests {
             (adopted.distortion.per_1000_px, adopted.sigma.k1_per_1000_px),
             (0.4, 0.06)
         );
+    }
+
+    #[test]
+    fn in_pictures_of_other_proportions_the_principal_point_stays_at_the_centre() {
+        let camera = Camera::new("main".into(), ImageSize::new(960, 720));
+        let adopted = adopt(&camera, &loaded_camera()).unwrap().base().unwrap();
+        assert_eq!(adopted.principal_point, ImagePoint::new(485.0, 355.0));
+    }
+
+    #[test]
+    fn whatever_ends_an_edit_of_a_camera_all_its_frames_are_solved_again() {
+        let size = ImageSize::new(1280, 720);
+        let level = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, size.centre());
+        let pointed = PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 1000.0));
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        camera.set_base(&base);
+        document.cameras.push(camera.clone().into());
+        for name in ["a.jpg", "b.jpg"] {
+            let mut frame = Frame::from_image(name, "main".into(), size);
+            for id in ["centre_mark", "halfway_far"] {
+                let world = field.landmark_in_world(field.landmark(id).unwrap());
+                let at = pointed.image_from_world(world).unwrap();
+                frame.clicks.push(Click::landmark(id.into(), at));
+            }
+            document.frames.push(frame.into());
+        }
+        let mut app = App::with_document(document);
+        app.update(Action::Edit(EditAction::Begin("Change camera")));
+        let farther = Vec3::new(0.0, -70.0, 18.0);
+        camera.set_base(&CameraBase::new(farther, level, size.centre()));
+        app.update(Action::Edit(EditAction::Camera(Box::new(camera))));
+        app.update(Action::Command(Command::Save));
+        assert_eq!(app.session.mode, Mode::Idle);
+        let frames = app.open().unwrap().document.frames.iter();
+        let focal_px: Vec<f64> = frames
+            .map(|frame| frame.ptz.as_ref().unwrap().focal_px)
+            .collect();
+        assert!(focal_px[1] > 1050.0, "{focal_px:?}");
+        assert!((focal_px[0] - focal_px[1]).abs() < 1e-6, "{focal_px:?}");
+        app.update(Action::Command(Command::Undo));
+        let base_now = app.open().unwrap().document.cameras[0].base().unwrap();
+        assert_eq!(base_now.position_m, base.position_m);
+    }
+
+    #[test]
+    fn numbers_set_by_hand_leave_what_other_programs_stated() {
+        let mut document = (*app(false).open().unwrap().document).clone();
+        let mut solution = Solution::default();
+        solution.extra.insert("reviewer".to_owned(), "b".into());
+        document.frames[0].solution = Some(solution);
+        let mut app = App::with_document(document);
+        let ptz = Ptz::from_degrees(1.0, -9.0, 2000.0);
+        app.update(Action::Edit(EditAction::Ptz(ptz)));
+        let solution = app.frame().unwrap().solution.clone().unwrap();
+        assert_eq!(solution.source, Some(SolutionSource::Manual));
+        assert!(solution.extra.contains_key("reviewer"));
     }
 
     #[test]

@@ -80,6 +80,7 @@ impl App {
     /// Merges another program's changes with the user's. The other version is set aside in any
     /// case.
     pub(super) fn merge_outside(&mut self, outside: &Outside) {
+        self.commit_open_step();
         let Some(open) = &self.open else { return };
         let merged = merge(&outside.base, &open.document, &outside.theirs);
         if self.take_merged(merged, Some(&outside.theirs), MergeOf::Outside) {
@@ -110,6 +111,7 @@ impl App {
 
     /// Merges edits that were set aside into the document.
     pub(super) fn merge_orphan(&mut self, orphan: PathBuf, edits: &OrphanEdits) {
+        self.commit_open_step();
         let Some(open) = &self.open else { return };
         let merged = edits.merge_with(&open.document);
         if self.take_merged(merged, edits.result().as_ref(), MergeOf::SetAside) {

@@ -31,12 +31,12 @@ impl App {
         }
     }
 
-    /// The frame of the next row of the review list, while its panel is open. None if there is no
-    /// other.
+    /// The frame of the next row of the review list, while its panel is open and no queue is. None
+    /// if there is no other.
     pub(super) fn next_in_list(&self, forward: bool) -> Option<usize> {
         self.review
             .next(self.session.frame, forward)
-            .filter(|_| self.session.panel == SidePanel::Review)
+            .filter(|_| self.session.panel == SidePanel::Review && self.queue_position().is_none())
     }
 
     /// Shows the frame whose label would help the forest most.
@@ -174,7 +174,7 @@ impl App {
         if no_tracked_waits {
             self.session.retract(Command::DiscardTracked);
         }
-        let undo = self.settings.keys.key_label(Command::Undo);
+        let undo = self.settings.keys.key_or_name(Command::Undo);
         self.session.notify(
             Level::Info,
             format!("{count} accepted. {undo} undoes all of it."),

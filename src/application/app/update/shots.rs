@@ -35,26 +35,26 @@ impl App {
     /// Shows the first frame of the next shot. Backwards: the first frame of this shot, or of the
     /// one before if this is shown already.
     pub(super) fn go_to_shot(&mut self, forward: bool) {
-        let (Some(shots), Some(open), Some(frame)) = (self.shots(), &self.open, self.frame())
-        else {
+        let (Some(shots), Some(open)) = (self.shots(), &self.open) else {
             return;
         };
-        let Some(here) = &frame.video else { return };
-        // The document may lack the first frame of a shot: show the first one from there on.
-        let mut starts: Vec<u64> = shots.starts().map(|(from, _)| from).collect();
-        let to = if forward {
-            starts.into_iter().find(|from| *from > here.frame_index)
+        let here = open.frame_number(self.session.frame);
+        let of_video = open.frame_numbers_in_video(self.session.frame);
+        let of_video: Vec<(usize, u64)> = of_video.collect();
+        // The document may have every n-th frame of the video only. Backwards the shot of the last
+        // frame before this one counts; of a shot the first frame that there is is shown.
+        let start = if forward {
+            let mut starts = shots.starts().map(|(from, _)| from);
+            starts.find(|from| *from > here)
         } else {
-            starts.reverse();
-            starts.into_iter().find(|from| *from < here.frame_index)
+            let numbers = of_video.iter().map(|(_, number)| *number);
+            let last_before = numbers.filter(|number| *number < here).max();
+            last_before.map(|number| shots.start_of(number))
         };
-        let Some(to) = to else { return };
-        let position = open.document.frames.iter().position(|other| {
-            let video = other.video.as_ref();
-            video.is_some_and(|video| video.path == here.path && video.frame_index >= to)
-        });
-        if let Some(position) = position {
-            self.go_to(position);
+        let Some(start) = start else { return };
+        let from_start = of_video.iter().filter(|(_, number)| *number >= start);
+        if let Some((position, _)) = from_start.min_by_key(|(_, number)| *number) {
+            self.go_to(*position);
         }
     }
 

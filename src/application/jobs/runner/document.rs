@@ -129,10 +129,10 @@ impl Runner {
 }
 
 /// What the user still has to see of an action when the document is closed: failures, and where
-/// the user's version of a conflicting document is.
+/// the versions of a conflicting document are.
 fn failure_at_close(action: Action) -> Option<Action> {
     match action {
-        Action::Disk(DiskReport::SaveFailed(_)) => Some(action),
+        Action::Disk(DiskReport::SaveFailed(_)) | Action::View(_) => Some(action),
         // The document is closed, so that the user cannot choose between the versions any more.
         Action::Disk(DiskReport::ChangedOutside {
             path,
@@ -266,6 +266,20 @@ mod tests {
                 > 0,
             "the word is not lost"
         );
+    }
+
+    #[test]
+    fn where_another_programs_version_is_kept_is_said_also_at_the_close() {
+        let reports = [None, Some(PathBuf::from("project.json.outside-1"))].map(|set_aside| {
+            actions_of(SaverReport::Saved {
+                revision: 1,
+                at: jiff::civil::Time::midnight(),
+                request: 1,
+                set_aside,
+            })
+        });
+        let said = reports.map(|actions| actions.into_iter().filter_map(failure_at_close).count());
+        assert_eq!(said, [0, 1]);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 
 use super::Runner;
 use crate::app::{Action, DiskReport};
-use crate::jobs::opening::Ready;
+use crate::jobs::opening::{Ready, refuse_unwritable};
 use crate::jobs::{Background, BackgroundReport, JobError, Reporter};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -132,7 +132,9 @@ impl Runner {
 pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), JobError> {
     std::fs::create_dir_all(folder).map_err(JobError::io(folder))?;
     let location = Location::for_new_document(folder)?;
-    Store::create(&location, &document.relocate(location.folder()))?;
+    let copy = document.relocate(location.folder());
+    refuse_unwritable(&copy, location.folder())?;
+    Store::create(&location, &copy)?;
     Ok(())
 }
 
@@ -148,4 +150,34 @@ pub(super) fn camera_with_base(path: &Path) -> Result<Camera, JobError> {
         .ok_or_else(|| JobError::NoBase {
             path: path.to_path_buf(),
         })
+}
+
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod tests {
+    use super::*;
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt as _;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Document, FieldSpec, Frame};
+
+    #[test]
+    fn a_copy_that_could_not_name_its_pictures_is_refused() {
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path().canonicalize().unwrap();
+        let clip = root.join(OsStr::from_bytes(b"clip-\xff"));
+        std::fs::create_dir(&clip).unwrap();
+        std::fs::write(clip.join("1.png"), "picture").unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let frame = Frame::from_image("1.png", "main".into(), ImageSize::new(64, 36));
+        document.frames.push(frame.into());
+        let copy = root.join("copy");
+        let refused = save_copy(document.at(&clip), &copy).unwrap_err();
+        assert!(
+            refused.to_string().ends_with("rename the folder"),
+            "{refused}"
+        );
+        assert!(!copy.join("project.json").exists());
+        save_copy(document.at(&clip), &clip.join("copy")).unwrap();
+    }
 }

@@ -4,7 +4,7 @@
 //! and tracking propagates their cameras to the frames between. A window is due when its key frames
 //! have been queried and the known cameras in it differ from those of the last propagation.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use touchline_calibration::calibrate::is_anchor;
 use touchline_calibration::proposals::{KeyWindow, TrackedProposal};
@@ -54,13 +54,13 @@ impl Windows {
         }
         self.of = Some(document.clone());
         // Find the frames that once showed a propagated camera, no longer do, and are undecided.
-        let mut lost = Vec::new();
+        let mut lost = BTreeSet::new();
         self.given.retain(|id, recorded| {
             let frame = document.frames.by_id(id);
             let is_held = frame.is_some_and(|frame| frame.is_tracked());
             let is_lost = *recorded && !is_held && frame.is_some_and(|frame| frame.is_open());
             if is_lost {
-                lost.push(id.clone());
+                lost.insert(id.clone());
             }
             *recorded |= is_held;
             !is_lost && frame.is_some()

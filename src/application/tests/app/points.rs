@@ -105,6 +105,25 @@ fn points_on_lines_check_points_and_deleting() {
 }
 
 #[test]
+fn one_point_is_on_a_line_also_where_its_name_is_certain() {
+    let mut bench = Bench::new(document(1, true));
+    bench.place("centre_mark");
+    bench.place("halfway_far");
+    bench.command(Command::PlaceOnLine);
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let on_touchline = truth(0)
+        .image_from_world(field.line("touchline_far").unwrap().curve.point_at(0.55))
+        .unwrap();
+    bench.click(on_touchline);
+    assert_eq!(
+        bench.frame().clicks[2].target,
+        Some(Target::Line("touchline_far".into()))
+    );
+    assert_eq!(bench.app.session.mode, Mode::Idle);
+    assert!(!bench.app.session.is_next_on_line());
+}
+
+#[test]
 fn a_tool_stays_until_another_is_chosen() {
     let mut bench = Bench::new(document(1, true));
     let field = builtin("soccer").unwrap().default_model().unwrap();

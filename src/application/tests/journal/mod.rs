@@ -32,16 +32,12 @@ fn new_project(frames: usize) -> (TempDir, PathBuf) {
     let path = folder.path().join("match");
     drop(
         Store::create(
-            &Location::for_new_document(&with_separator(&path)).unwrap(),
+            &Location::for_new_document(&path.join("")).unwrap(),
             &document(frames),
         )
         .unwrap(),
     );
     (folder, path)
-}
-
-fn with_separator(path: &Path) -> PathBuf {
-    path.join("")
 }
 
 fn open_project(path: &Path) -> (Project, Document) {

@@ -54,25 +54,11 @@ impl Hypothesis {
         let joint = adjust_jointly(start, size_prior, &observed)?;
         let evidence = measure_evidence(&joint, paint, &matched.marking_pixels);
         let paint_priors = joint.paint_priors();
-        // Frames with too little paint have no camera yet; they get one in the alignment.
-        let placed = matched
-            .indices
-            .iter()
-            .zip(&joint.ptz)
-            .filter_map(|(&index, ptz)| {
-                Some(AutocalibratedFrame {
-                    index,
-                    ptz: (*ptz)?,
-                    uncertainty: None,
-                    snapped: None,
-                    unaligned_score: None,
-                })
-            });
         let camera = AutocalibratedCamera {
             base: joint.base,
             field: joint.field,
             sizes: joint.sizes,
-            frames: placed.collect(),
+            frames: unaligned_frames(&joint.ptz, matched),
             others: matched.others.clone(),
             paint: Vec::new(),
             evidence,
@@ -140,6 +126,22 @@ impl Hypothesis {
     pub fn all_ptz(&self, matched: &MatchedFrames) -> Option<Vec<Ptz>> {
         fill_missing_cameras(&self.ptz, &self.frames.rotations.ptz, &matched.matches)
     }
+}
+
+/// The frames that have a camera, with their indices in the document, none of them aligned. The
+/// others get a camera in the alignment.
+pub fn unaligned_frames(ptz: &[Option<Ptz>], matched: &MatchedFrames) -> Vec<AutocalibratedFrame> {
+    let frames = matched.indices.iter().zip(ptz);
+    let placed = frames.filter_map(|(&index, ptz)| {
+        Some(AutocalibratedFrame {
+            index,
+            ptz: (*ptz)?,
+            uncertainty: None,
+            snapped: None,
+            unaligned_score: None,
+        })
+    });
+    placed.collect()
 }
 
 impl JointStart {

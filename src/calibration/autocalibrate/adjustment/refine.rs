@@ -5,7 +5,7 @@
 //! base that the user refines ([`KnownFrames::estimate_base`]).
 
 use super::align::prior_from_alignment;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, unaligned_frames};
 use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::frames::sampled_frames::PictureOfFrame;
@@ -176,13 +176,15 @@ fn with_base(
     });
     Hypothesis {
         paint_priors: paint_priors.collect(),
-        ptz,
         camera: AutocalibratedCamera {
             base,
             field,
             sizes,
+            // The alignments were made with the other base.
+            frames: unaligned_frames(&ptz, matched),
             ..before.clone()
         },
+        ptz,
         frames: hypothesis.frames.clone(),
         reach: hypothesis.reach,
     }
@@ -262,10 +264,14 @@ mod tests {
             "{:?}",
             refined.ptz
         );
-        assert_eq!(
-            (refined.paint_priors.len(), refined.camera.frames.len()),
-            (7, 7)
-        );
+        assert_eq!(refined.paint_priors.len(), 7);
+        let frames: Vec<Option<Ptz>> = refined
+            .camera
+            .frames
+            .iter()
+            .map(|frame| Some(frame.ptz))
+            .collect();
+        assert_eq!(frames, refined.ptz, "with the refined base");
         // Both positions come from the same pictures: half of their difference stays uncertain.
         let changed_m = (refined.position_m() - from.position_m()).norm();
         let sigma_m = refined.camera.base.sigma.position_m.norm();

@@ -41,7 +41,7 @@ impl PaintedSphere {
             .iter()
             .filter_map(|direction| sphere.cell(*direction))
             .collect();
-        let reach = isize::from(i8::try_from(FARTHEST).unwrap_or(i8::MAX));
+        let reach = isize::from(FARTHEST);
         // A brute-force distance transform: each painted cell lowers the distances of the cells
         // around it. It runs once per focal scale and reaches FARTHEST cells.
         for (column, row) in painted {

@@ -15,8 +15,6 @@ use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use touchline_documents::document::{Click, Frames, Target};
 use touchline_vision::track::RelativeRotations;
 
-/// Landmarks higher than this above the ground are left out, m.
-const ON_GROUND_M: f64 = 0.01;
 /// Landmarks closer together than this do not determine a pose well, m.
 const LEAST_APART_M: f64 = 5.0;
 /// The camera is this high above the field, m.
@@ -55,7 +53,7 @@ impl GroundClick {
             return None;
         };
         let landmark = field.landmark(id.as_str())?;
-        (landmark.nominal_m.z.abs() <= ON_GROUND_M).then(|| Self {
+        landmark.is_on_ground().then(|| Self {
             frame,
             landmark: id.clone(),
             image: click.image,
@@ -95,32 +93,36 @@ impl LandmarkRay {
     }
 }
 
-/// The poses that each pair of clicks determines on a field, at the given rotations: one for each
-/// lean of the pan axis that allows one. The pair of landmarks that are farthest apart comes first:
-/// its poses are the most precise.
+/// The poses that pairs of clicks determine on a field, at the given rotations: one for each lean
+/// of the pan axis that allows one. The pair of landmarks that are farthest apart comes first: its
+/// poses are the most precise. Pairs without any pose are left out of the `most`.
 pub fn poses_of_pairs(
     rotations: &RelativeRotations,
     clicks: &[GroundClick],
     field: &FieldModel,
+    most: usize,
 ) -> Vec<Vec<PanoramaPose>> {
     let rays: Vec<LandmarkRay> = clicks
         .iter()
         .filter_map(|click| LandmarkRay::from_click(click, rotations, field))
         .collect();
     let leans = leans();
-    let mut found: Vec<(f64, Vec<PanoramaPose>)> = Vec::new();
-    // All pairs of clicks. The distance of the landmarks is the sort key.
+    // All pairs of clicks, by the distance of their landmarks. Hundreds of clicks have a hundred
+    // thousand pairs, so only the first ones get their poses.
+    let mut pairs: Vec<(f64, &LandmarkRay, &LandmarkRay)> = Vec::new();
     for (index, one) in rays.iter().enumerate() {
-        for other in &rays[index + 1..] {
-            let poses = leans.iter().filter_map(|lean| pose_of(one, other, lean));
-            let poses: Vec<PanoramaPose> = poses.collect();
-            if !poses.is_empty() {
-                found.push(((other.at_m - one.at_m).norm(), poses));
-            }
-        }
+        let others = rays[index + 1..].iter();
+        pairs.extend(others.map(|other| ((other.at_m - one.at_m).norm(), one, other)));
     }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().map(|(_, poses)| poses).collect()
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let poses_by_pair = pairs.iter().map(|(_, one, other)| {
+        let poses = leans.iter().filter_map(|lean| pose_of(one, other, lean));
+        poses.collect::<Vec<PanoramaPose>>()
+    });
+    poses_by_pair
+        .filter(|poses| !poses.is_empty())
+        .take(most)
+        .collect()
 }
 
 /// Rotations that lean the pan axis: none, and up to [`MAX_LEAN_DEG`] in every direction.
@@ -211,8 +213,9 @@ mod tests {
                 image,
             }
         };
+        let third = clicked(2, 0, 800.0, 620.0);
         let (one, other) = (clicked(0, 0, 500.0, 700.0), clicked(1, 1, 1300.0, 600.0));
-        let found = poses_of_pairs(&rotations, &[one.clone(), other], &field);
+        let found = poses_of_pairs(&rotations, &[one.clone(), other.clone()], &field, 6);
         let [poses] = found.as_slice() else {
             panic!("{found:?}")
         };
@@ -221,11 +224,14 @@ mod tests {
                 && (pose.world_from_panorama - truth.world_from_panorama).norm() < 1e-9
         };
         assert!(poses.iter().any(is_truth), "{poses:?}");
+        let three = [one.clone(), other, third];
+        let all = poses_of_pairs(&rotations, &three, &field, 6);
+        assert_eq!(poses_of_pairs(&rotations, &three, &field, 1), all[..1]);
         // A single point, clicked twice, gives no pose, nor does a point above the horizon.
         let sky = GroundClick {
             image: ImagePoint::new(900.0, -4000.0),
             ..one.clone()
         };
-        assert!(poses_of_pairs(&rotations, &[one.clone(), one, sky], &field).is_empty());
+        assert!(poses_of_pairs(&rotations, &[one.clone(), one, sky], &field, 6).is_empty());
     }
 }

@@ -96,8 +96,7 @@ pub fn poses_from_clicks(
         |rotations, panorama| {
             let mut found = Vec::new();
             for (number, (field, map)) in fields.iter().zip(maps).enumerate() {
-                let pairs = poses_of_pairs(rotations, clicks, field);
-                for poses in pairs.into_iter().take(MAX_PAIRS) {
+                for poses in poses_of_pairs(rotations, clicks, field, MAX_PAIRS) {
                     found.extend(best_of_pair(&poses, panorama, (number, map)));
                 }
             }

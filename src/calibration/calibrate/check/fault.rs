@@ -2,7 +2,7 @@
 
 use std::fmt;
 use thiserror::Error;
-use touchline_core::geometry::ImageSize;
+use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_documents::document::{Frame, FrameStatus};
 
 /// An error in a document, and where it is.
@@ -346,7 +346,10 @@ pub enum Fault {
         frames: usize,
     },
     /// The video has fewer frames than the stated number.
-    #[error("the video has {frames} frames, numbered from 0; there is no frame {index}")]
+    #[error(
+        "the video has {}, numbered from 0; there is no frame {index}",
+        pluralise(*frames, "frame")
+    )]
     NoSuchVideoFrame {
         /// The stated frame, from 0.
         index: u64,

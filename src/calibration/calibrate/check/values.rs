@@ -3,7 +3,7 @@
 use super::fault::{Fault, Problem};
 use super::plausible::{check_place, check_view, lens_folds};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
@@ -50,12 +50,10 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
         }
     }
     // Each camera by itself.
-    for (index, camera) in document.cameras.iter().enumerate() {
+    let mut names = BTreeSet::new();
+    for camera in &document.cameras {
         let place = format!("camera {}", camera.id);
-        if document.cameras[..index]
-            .iter()
-            .any(|other| other.id == camera.id)
-        {
+        if !names.insert(&camera.id) {
             problem(place.clone(), Fault::DuplicateCamera);
         }
         if let Some(Err(message)) = camera.field.as_ref().map(|field| fields.model(field)) {

@@ -3,6 +3,7 @@
 use super::paint::PaintAlignmentOutcome;
 use std::collections::BTreeMap;
 use touchline_core::camera::{AngularDistance, Ptz};
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
 use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
@@ -12,7 +13,8 @@ use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClipEvidence {
     followed: Option<Followed>,
-    camera: Option<ClipCamera>,
+    /// The camera and the field with which the paint was found.
+    seen_with: Option<(ClipCamera, FieldModel)>,
     paint: BTreeMap<usize, CameraPaintVerdict>,
 }
 
@@ -97,10 +99,11 @@ impl ClipEvidence {
         };
     }
 
-    /// Discards the paint if it was found with another base or other lenses.
-    pub(super) fn with_camera(&mut self, camera: &ClipCamera) {
-        if self.camera.as_ref() != Some(camera) {
-            self.camera = Some(camera.clone());
+    /// Discards the paint if it was found with another base, other lenses or another field.
+    pub(super) fn with_camera(&mut self, camera: &ClipCamera, field: &FieldModel) {
+        let is_other = |seen: &(ClipCamera, FieldModel)| seen.0 != *camera || seen.1 != *field;
+        if self.seen_with.as_ref().is_none_or(is_other) {
+            self.seen_with = Some((camera.clone(), field.clone()));
             self.paint.clear();
         }
     }
@@ -141,11 +144,13 @@ pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
 mod tests {
     use super::*;
     use touchline_core::camera::CameraBase;
+    use touchline_core::field::builtin;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     #[test]
-    fn paint_is_remembered_for_cameras_like_the_one_that_it_was_measured_with_and_for_one_base() {
+    fn paint_is_remembered_for_like_cameras_one_base_and_one_field() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
         let base = |x| {
             ClipCamera::new(CameraBase::new(
                 touchline_core::geometry::Vec3::new(x, -60.0, 18.0),
@@ -155,7 +160,7 @@ mod tests {
         };
         let ptz = |pan| Ptz::from_degrees(pan, -10.0, 2000.0);
         let mut evidence = ClipEvidence::default();
-        evidence.with_camera(&base(0.0));
+        evidence.with_camera(&base(0.0), &field);
         evidence.keep_paint(7, ptz(3.0), PaintAlignmentOutcome::Contradicts);
         assert_eq!(
             evidence.paint(7, ptz(3.01), SIZE),
@@ -163,13 +168,13 @@ mod tests {
         );
         assert_eq!(evidence.paint(7, ptz(3.1), SIZE), None, "3.4 px away");
         assert_eq!(evidence.paint(8, ptz(3.0), SIZE), None);
-        evidence.with_camera(&base(0.0));
+        evidence.with_camera(&base(0.0), &field);
         assert!(evidence.paint(7, ptz(3.0), SIZE).is_some());
-        evidence.with_camera(&base(0.1));
-        assert_eq!(
-            evidence.paint(7, ptz(3.0), SIZE),
-            None,
-            "it was seen with another base"
-        );
+        for (x, crown_m) in [(0.1, 0.0), (0.0, 0.2)] {
+            let mut other = evidence.clone();
+            other.with_camera(&base(x), &field.with_crown_m(crown_m));
+            let says = other.paint(7, ptz(3.0), SIZE);
+            assert_eq!(says, None, "it was seen with another base or field");
+        }
     }
 }

@@ -151,7 +151,7 @@ pub fn track_clip(
     // Track points, propagate the priors along them to initialise all frames, then adjust jointly.
     let pictures = ClipPictures { at, clip, size };
     let tracks = pictures.follow_points(reader, options, evidence, progress)?;
-    evidence.with_camera(&camera);
+    evidence.with_camera(&camera, field);
     let anchors: Vec<PosePrior> = known.iter().map(|(anchor, _)| *anchor).collect();
     let propagated = propagate(&camera, &tracks, &anchors, &options.propagate);
     let spec = document.field_of_camera(&clip.camera);

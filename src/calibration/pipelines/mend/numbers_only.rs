@@ -13,6 +13,7 @@ use super::given::given_cameras;
 use super::places::{Shots, mirror_back};
 use super::{MendError, count_usable};
 use crate::calibrate::{Disagreement, Disagreements, withdraw};
+use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::{
@@ -24,8 +25,9 @@ use touchline_documents::document::{
 /// scatter by 10 px.
 const OUT_OF_LINE_PX: f64 = 20.0;
 
-/// The longest gap that is interpolated, frames. Within a second a camera may look elsewhere.
-const LONGEST_GAP: usize = 12;
+/// The longest gap that is interpolated, frames of the video. Within a second a camera may look
+/// elsewhere.
+const LONGEST_GAP: f64 = 12.0;
 
 /// What became of given cameras without pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -94,24 +96,45 @@ fn join_shots(document: &mut Document) {
 /// its neighbours seem out of line only as long as it is there. Returns their number.
 fn drop_out_of_line(document: &mut Document) -> usize {
     let mut disagreements = Disagreements::from_document(document);
+    let all: Vec<usize> = (0..document.frames.len()).collect();
+    let mut out = BTreeMap::new();
+    update_out_of_line(document, &disagreements, &all, &mut out);
+    // Each round removes one camera, so the loop ends. Only the neighbours of the removed one are
+    // compared anew.
     let mut dropped = 0;
-    loop {
-        let out = (0..document.frames.len())
-            .filter(|index| document.frames[*index].is_open())
-            .filter_map(|index| {
-                let found = disagreements.for_frame(index)?;
-                is_out_of_line(&found).then_some((index, found))
-            });
-        // Each round removes one camera, so the loop ends. A round looks at all frames, but
-        // compares only the neighbours of the removed one anew.
-        let worst = out.max_by(|(_, a), (_, b)| a.apart_px.total_cmp(&b.apart_px));
-        let Some((index, _)) = worst else {
-            return dropped;
-        };
+    while let Some(index) = farthest_frame(&out) {
         withdraw(&mut document.frames[index]);
+        out.remove(&index);
         dropped += 1;
+        let edition = disagreements.edition();
         disagreements.update(document);
+        let changed = disagreements.changes_since(edition).unwrap_or(&all);
+        update_out_of_line(document, &disagreements, changed, &mut out);
     }
+    dropped
+}
+
+/// Updates `out`, the frames whose cameras are out of line with their distances in px, at some
+/// frames of the document.
+fn update_out_of_line(
+    document: &Document,
+    disagreements: &Disagreements,
+    frames: &[usize],
+    out: &mut BTreeMap<usize, f64>,
+) {
+    for &index in frames {
+        let found = disagreements.for_frame(index).filter(is_out_of_line);
+        out.remove(&index);
+        if let Some(found) = found.filter(|_| document.frames[index].is_open()) {
+            out.insert(index, found.apart_px);
+        }
+    }
+}
+
+/// The frame with the greatest distance, of equal ones the last.
+fn farthest_frame(out: &BTreeMap<usize, f64>) -> Option<usize> {
+    let worst = out.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    worst.map(|(index, _)| *index)
 }
 
 fn is_out_of_line(found: &Disagreement) -> bool {
@@ -137,19 +160,22 @@ fn interpolate_gaps(document: &mut Document) -> usize {
         let [Some(from), Some(to)] = ends else {
             continue;
         };
-        if !are_of_one_shot(first, last) || after - before - 1 > LONGEST_GAP {
+        let (start, end) = (first.number_at(before) as f64, last.number_at(after) as f64);
+        if !are_of_one_shot(first, last) || (end - start).abs() - 1.0 > LONGEST_GAP {
             continue;
         }
         let base = document.camera(&first.camera).and_then(Camera::base);
-        let missing: Vec<usize> = (before + 1..after)
-            .filter(|index| {
-                let frame = &document.frames[*index];
-                frame.is_open() && are_of_one_shot(first, frame)
+        let missing: Vec<(usize, f64)> = (before + 1..after)
+            .filter_map(|index| {
+                let frame = &document.frames[index];
+                let share = (frame.number_at(index) as f64 - start) / (end - start);
+                let is_missing = frame.is_open() && are_of_one_shot(first, frame);
+                // A document may list the frames of a video in any order.
+                (is_missing && (0.0..=1.0).contains(&share)).then_some((index, share))
             })
             .collect();
         // The camera is taken to move uniformly from one end of the gap to the other.
-        for index in missing {
-            let share = (index - before) as f64 / (after - before) as f64;
+        for (index, share) in missing {
             let ptz = from.interpolate(&to, share);
             let frame = &mut document.frames[index];
             let lens = base.map(|base| base.distortion.radial_at(ptz.focal_px));
@@ -266,6 +292,26 @@ mod tests {
             assert_eq!(interpolate_gaps(&mut document), 1);
             assert_eq!(document.frames[2], before);
             assert!((pan_deg(&document, 1) + 5.7).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_gap_is_as_long_as_it_is_in_the_video() {
+        for (numbers, filled) in [([0, 3, 9, 12], 2), ([0, 30, 90, 120], 0)] {
+            let mut document = document(4);
+            let main = document.frames[0].camera.clone();
+            for (frame, number) in document.frames.iter_mut().zip(numbers) {
+                frame.camera.clone_from(&main);
+                frame.video = Some(VideoFrame::new("match.mp4", number, None));
+            }
+            for index in [1, 2] {
+                withdraw(&mut document.frames[index]);
+            }
+            assert_eq!(interpolate_gaps(&mut document), filled, "{numbers:?}");
+            if filled > 0 {
+                // A quarter of the way from -6° to -5.1°.
+                assert!((pan_deg(&document, 1) + 5.775).abs() < 1e-9);
+            }
         }
     }
 

@@ -77,7 +77,7 @@ pub(super) fn keep_determined<const SHARED: usize>(
 ) -> BorderedEquations<SHARED, 3> {
     equations
         .blocks
-        .retain(|block| block.own.try_inverse().is_some());
+        .retain(|block| block.own_inverse().is_some());
     equations
 }
 

@@ -12,7 +12,7 @@
 use super::FrameClicks;
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState, frame_equations};
-use super::parameters::{K1, OF_BASE, ROTATION, Shared};
+use super::parameters::{K1, OF_BASE, ROTATION, Shared, clear_fixed};
 use super::shared_prior::near;
 use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera, SharedCovariance};
 use crate::field::FieldModel;
@@ -24,6 +24,8 @@ use rayon::prelude::*;
 
 /// How many parameters a bump moves: the position and the rotation about world x and y.
 const MOVED: usize = K1;
+/// How many it leaves as they are: lens, crown and principal point.
+const KEPT: usize = OF_BASE - MOVED;
 
 type BaseDisplacement = SVector<f64, MOVED>;
 type DisplacementMatrix = SMatrix<f64, MOVED, MOVED>;
@@ -306,7 +308,8 @@ fn split(pulls: &[DisplacementEquations]) -> Option<Split> {
 /// A base fitted to the clicks of some frames by position and rotation alone.
 struct DisplacedBase {
     shared: Shared,
-    information: DisplacementMatrix,
+    /// Of all shared parameters, the frames' own eliminated.
+    information: SharedCovariance,
 }
 
 impl DisplacedBase {
@@ -336,16 +339,11 @@ impl DisplacedBase {
             },
             UNTIL,
         );
-        // The information about the displacement, the frames' own parameters eliminated.
-        let pulls = found
-            .equations
-            .blocks
-            .iter()
-            .map(DisplacementEquations::from_equations);
-        let sum = pulls.fold(DisplacementEquations::none(), |sum, pull| sum.plus(&pull));
+        let blocks = found.equations.blocks.iter();
+        let eliminated = blocks.filter_map(BlockEquations::eliminate_own);
         Self {
             shared: found.state.shared,
-            information: sum.information,
+            information: eliminated.map(|(information, _)| information).sum(),
         }
     }
 
@@ -368,15 +366,78 @@ impl DisplacedBase {
         median_high(&mut errors)
     }
 
-    /// 1-σ of position and rotation, with the click noise scaled by the scatter.
+    /// 1-σ of all shared parameters: of position and rotation with the click noise scaled by the
+    /// scatter, of the kept ones as before.
     fn sigma(&self, scatter: f64) -> BaseSigma {
-        let covariance = (self.information / scatter + prior())
+        let information = self.information / scatter;
+        let moved = (information.fixed_view::<MOVED, MOVED>(0, 0) + prior())
             .try_inverse()
             .unwrap_or_else(variance);
-        let mut of_shared = SharedCovariance::zeros();
-        of_shared
-            .fixed_view_mut::<5, 5>(0, 0)
-            .copy_from(&covariance.fixed_view::<5, 5>(0, 0));
-        BaseSigma::from_covariance(&of_shared, self.shared.crown.width_m)
+        // What is kept is not exact: position and rotation change by −H⁻¹ B per unit of its error,
+        // with their information H and its coupling B (a "considered" parameter, see `held.rs`).
+        let mut kept = self.shared.base.sigma.covariance();
+        let is_kept = std::array::from_fn(|parameter| parameter >= MOVED);
+        clear_fixed(&mut kept, &is_kept);
+        let mut follows = SharedCovariance::identity();
+        follows
+            .fixed_view_mut::<MOVED, KEPT>(0, MOVED)
+            .copy_from(&(-moved * information.fixed_view::<MOVED, KEPT>(0, MOVED)));
+        let mut covariance = follows * kept * follows.transpose();
+        let mut of_moved = covariance.fixed_view_mut::<MOVED, MOVED>(0, 0);
+        of_moved += moved;
+        BaseSigma::from_covariance(&covariance, self.shared.crown.width_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{FieldElement, builtin};
+    use crate::geometry::{ImageSize, Vec2, Vec3};
+    use crate::markings::project_landmarks;
+    use crate::solve::fixtures;
+
+    /// A frame with exact clicks on all landmarks that it shows.
+    fn frame(field: &FieldModel, base: &CameraBase, pan_deg: f64) -> InformativeFrame {
+        let ptz = Ptz::from_degrees(pan_deg, -12.0, 1800.0);
+        let size = ImageSize::new(1920, 1080);
+        let shown = project_landmarks(field, &PtzCamera::new(*base, ptz), size, 0.0);
+        let clicks = shown.iter().enumerate().map(|(number, shown)| {
+            Observation::from_point(Vec3::zeros(), shown.image, 2.0, number)
+                .with_element(field, FieldElement::Landmark(shown.landmark))
+                .unwrap()
+        });
+        let clicks = FrameClicks {
+            observations: clicks.collect(),
+            start: None,
+        };
+        InformativeFrame::new(0, &clicks, ptz, field)
+    }
+
+    fn sigma_with(kept: &BaseSigma) -> BaseSigma {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let base = CameraBase {
+            sigma: *kept,
+            ..fixtures::base()
+        };
+        let frames = [-25.0, 0.0, 25.0].map(|pan_deg| frame(&field, &base, pan_deg));
+        DisplacedBase::fit(&Shared::new(&base, field.crown()), &frames).sigma(1.0)
+    }
+
+    #[test]
+    fn a_lens_that_is_kept_stays_as_uncertain_as_it_was() {
+        let kept = BaseSigma {
+            k1: 0.04,
+            k1_per_1000_px: 0.1,
+            principal_point_px: Vec2::new(30.0, 20.0),
+            ..BaseSigma::default()
+        };
+        let (exact, found) = (sigma_with(&BaseSigma::default()), sigma_with(&kept));
+        assert!((found.k1 - 0.04).abs() < 1e-12 && (exact.k1, exact.crown_m) == (0.0, 0.0));
+        assert!((found.principal_point_px - kept.principal_point_px).norm() < 1e-9);
+        assert!(
+            found.position_m.norm() > 1.1 * exact.position_m.norm(),
+            "{found:?} {exact:?}"
+        );
     }
 }

@@ -9,7 +9,7 @@
 
 use super::adjust::{UsualView, starting};
 use super::base_click::BaseClick;
-use super::bundle::{Bundle, BundleState};
+use super::bundle::{Bundle, BundleState, keep_determined};
 use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
 use super::scatter::USUAL_DISPLACEMENT;
 use super::shared_prior::{Expected, SharedPrior};
@@ -140,7 +140,7 @@ pub fn fit_field_size(
         if moved_m < ENOUGH_M || round == MAX_FITS {
             found.equations.free = fit.free([false; SIZES]);
             let noise_scale = bundle.noise_scale(&found.state);
-            let (information, _) = found.equations.eliminate_blocks(0.0)?;
+            let (information, _) = keep_determined(found.equations).eliminate_blocks(0.0)?;
             let covariance = information.try_inverse()?;
             let known = (0..values.len()).map(|size| {
                 let variance = covariance[(SIZE + size, SIZE + size)];

@@ -89,7 +89,7 @@ pub use summary::{BaseEstimate, FrameFit};
 use super::Observation;
 use crate::camera::{Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, ImageSize};
+use crate::geometry::{ImagePoint, ImageSize, pluralise};
 use thiserror::Error;
 
 /// The clicks of one frame of the camera whose base is sought.
@@ -156,10 +156,10 @@ impl<'a> CameraClicks<'a> {
 pub enum BaseError {
     /// No frame determines a camera by itself.
     #[error(
-        "no frame determines a camera by itself ({frames} frames with clicks, the best has \
-         {most_landmarks} landmarks on the ground): on wide frames, left, centre and right, \
-         click four or more that are not on one line, or two points on as many lines in two \
-         directions"
+        "no frame determines a camera by itself ({} with clicks, the best has {} on the ground): \
+         on wide frames, left, centre and right, click four or more that are not on one line, or \
+         two points on as many lines in two directions",
+        pluralise(*.frames, "frame"), pluralise(*.most_landmarks, "landmark")
     )]
     NoStart {
         /// Frames with clicks.
@@ -169,11 +169,16 @@ pub enum BaseError {
     },
     /// The clicks contradict each other so much that no camera explains half of them.
     #[error(
-        "no camera explains the clicks: the best one leaves them {median_px:.0} px off (median). \
-         Check the names, the field's size, and that all frames are of one camera"
+        "no camera explains the clicks: the best one {}. Check the names, the field's size, and \
+         that all frames are of one camera",
+        if median_px.is_finite() {
+            format!("leaves them {median_px:.0} px off (median)")
+        } else {
+            "does not see them".to_owned()
+        }
     )]
     NoFit {
-        /// Median distance of the clicks, px.
+        /// Median distance of the clicks, px; infinite where most of them have no image.
         median_px: f64,
     },
     /// The best-fitting camera is below the field.

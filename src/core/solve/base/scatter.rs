@@ -56,7 +56,7 @@ impl<const SHARED: usize> Scatter<SHARED> {
         frame: &BlockEquations<SHARED, 3>,
         clicks: impl Iterator<Item = (Option<FieldElement>, usize, BlockEquations<SHARED, 3>)>,
     ) {
-        let Some(inverse) = frame.own.try_inverse() else {
+        let Some(inverse) = frame.own_inverse() else {
             return;
         };
         // Eliminates the frame's own parameters (Schur complement).

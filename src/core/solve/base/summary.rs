@@ -303,6 +303,29 @@ mod tests {
     }
 
     #[test]
+    fn messages_say_no_infinite_distance_and_one_frame() {
+        let unseen = BaseError::NoFit {
+            median_px: f64::INFINITY,
+        };
+        assert!(
+            unseen
+                .to_string()
+                .starts_with("no camera explains the clicks: the best one does not see them"),
+            "{unseen}"
+        );
+        let single = BaseError::NoStart {
+            frames: 1,
+            most_landmarks: 1,
+        };
+        assert!(
+            single
+                .to_string()
+                .contains("(1 frame with clicks, the best has 1 landmark on the ground)"),
+            "{single}"
+        );
+    }
+
+    #[test]
     fn a_camera_on_the_ground_is_not_less_than_nothing_below_it() {
         let mut base = fixtures::base();
         base.position_m.z = 0.0;

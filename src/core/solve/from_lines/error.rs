@@ -16,9 +16,9 @@ pub enum FromLinesError {
     },
     /// Too few equations for position, rotation and focal length.
     #[error(
-        "{equations} equations from {}, {needed} are needed: draw more lines (a straight one with \
-         two points gives two, a circle one for each point, at most five)",
-        pluralise(*.lines, "line")
+        "{} from {}, {needed} are needed: draw more lines (a straight one with two points gives \
+         two, a circle one for each point, at most five)",
+        pluralise(*.equations, "equation"), pluralise(*.lines, "line")
     )]
     TooFewLines {
         /// Lines, and landmarks, that have points.
@@ -57,11 +57,16 @@ pub enum FromLinesError {
     },
     /// No camera explains half of the lines.
     #[error(
-        "no camera explains the lines: the best one leaves half of the points more than \
-         {median_px:.0} px off. Check the names of the lines, and the field"
+        "no camera explains the lines: the best one {}. Check the names of the lines, and the \
+         field",
+        if median_px.is_finite() {
+            format!("leaves half of the points more than {median_px:.0} px off")
+        } else {
+            "does not see half of the points".to_owned()
+        }
     )]
     NoFit {
-        /// Median distance of the points, px.
+        /// Median distance of the points, px; infinite where most of them have no image.
         median_px: f64,
     },
 }

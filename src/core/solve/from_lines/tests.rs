@@ -277,6 +277,13 @@ fn too_little_is_named_in_one_line() {
             .starts_with("6 equations from 3 lines, 7 are needed: draw more lines"),
         "{error}"
     );
+    let error = solve(&field, &three[..1]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("1 equation from 1 line, 7 are needed: draw more lines"),
+        "{error}"
+    );
     // Points that coincide count once, and each point of a circle one.
     let mut circle = vec![("centre_circle", [500.0, 200.0]); 3];
     let equations = |points: &[(&str, [f64; 2])]| match solve(&field, &on_lines(&field, points)) {

@@ -8,15 +8,20 @@ impl IdentityFinding {
     /// The warning for the user: the problem, the numbers and the remedy.
     #[must_use]
     pub fn warning(&self) -> Warning {
-        let (before, after) = (self.as_named_px, self.renamed_px);
+        // A line or landmark that the camera does not see has no distance.
+        let before = if self.as_named_px.is_finite() {
+            format!("{:.0} px", self.as_named_px)
+        } else {
+            "out of view".to_owned()
+        };
+        let after = self.renamed_px;
         let clicks: Vec<usize> = self.renames.iter().map(|rename| rename.click).collect();
         let points = points(&clicks);
         let contradicted = self.evidence == Evidence::Clicks;
         let (code, message) = match &self.kind {
             IdentityKind::Swapped if contradicted => {
-                let message = format!(
-                    "{points} look swapped: {before:.0} px as named, {after:.1} px swapped."
-                );
+                let message =
+                    format!("{points} look swapped: {before} as named, {after:.1} px swapped.");
                 (WarningCode::Swapped, message)
             }
             IdentityKind::Swapped => (
@@ -31,7 +36,7 @@ impl IdentityFinding {
                 };
                 let message = match self.evidence {
                     Evidence::Clicks => format!(
-                        "The names look mirrored: {before:.0} px as named, {after:.1} px on the {end}. Check {what}."
+                        "The names look mirrored: {before} as named, {after:.1} px on the {end}. Check {what}."
                     ),
                     Evidence::MotionPrior => {
                         format!("The {end} fits as well, {}. Check {what}.", self.why_then())
@@ -43,7 +48,7 @@ impl IdentityFinding {
             IdentityKind::OtherPart { named, fits } => {
                 let message = if contradicted {
                     format!(
-                        "{points} look like the {fits}: {before:.0} px as {named}, {after:.1} px as {fits}."
+                        "{points} look like the {fits}: {before} as {named}, {after:.1} px as {fits}."
                     )
                 } else {
                     format!(
@@ -65,7 +70,7 @@ impl IdentityFinding {
                 let fit = if clicks.len() == 1 { "fits" } else { "fit" };
                 let message = if contradicted {
                     format!(
-                        "{points} {fit} elsewhere: {before:.0} px as named, {after:.1} px as {labels}."
+                        "{points} {fit} elsewhere: {before} as named, {after:.1} px as {labels}."
                     )
                 } else {
                     format!("{points} {fit} as {labels} as well, {}.", self.why_then())
@@ -114,5 +119,33 @@ fn points(clicks: &[usize]) -> String {
         [one] => format!("Point {one}"),
         [first @ .., last] => format!("Points {} and {last}", first.join(", ")),
         [] => "No point".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ptz;
+    use crate::solve::{Name, Rename};
+
+    #[test]
+    fn a_line_out_of_view_has_no_infinite_distance() {
+        let rename = Rename {
+            click: 0,
+            name: Name::Line("penalty_arc_left".into()),
+            label: "Left penalty arc".to_owned(),
+        };
+        let finding = IdentityFinding {
+            kind: IdentityKind::WrongName,
+            evidence: Evidence::Clicks,
+            renames: vec![rename],
+            ptz: Ptz::from_degrees(0.0, -10.0, 2000.0),
+            as_named_px: f64::INFINITY,
+            renamed_px: 1.2,
+        };
+        assert_eq!(
+            finding.warning().message,
+            "Point 1 fits elsewhere: out of view as named, 1.2 px as Left penalty arc."
+        );
     }
 }

@@ -2,9 +2,10 @@
 
 use super::{SIZE, exact_clicks, is_truth, known_base, known_clicks};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::field::Curve;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 use touchline_core::solve::{
-    Observation, ObservedShape, SolveContext, Verdict, WarningCode, judge, solve_frame,
+    Observation, ObservedShape, SolveContext, Verdict, WarningCode, WorldCurve, judge, solve_frame,
 };
 
 #[test]
@@ -36,6 +37,18 @@ fn every_degenerate_case_is_named_with_its_numbers() {
             "0 equations for 3 unknowns: a landmark gives two, a point on a line one; click two landmarks",
         ),
         ("one", base, vec![one], "2 equations for 3 unknowns"),
+        (
+            "one on a line",
+            base,
+            vec![Observation {
+                shape: ObservedShape::Curve(WorldCurve::flat(Curve::Segment {
+                    from: Vec3::new(-50.0, 30.0, 0.0),
+                    to: Vec3::new(50.0, 30.0, 0.0),
+                })),
+                ..one
+            }],
+            "1 equation for 3 unknowns: a landmark gives two, a point on a line one; click a landmark",
+        ),
         (
             "only a check",
             base,

@@ -20,7 +20,7 @@ mod tests;
 
 pub use candidates::{AttachedPair, AttachmentCandidate, Counting};
 
-use super::files::{base_name, stem};
+use super::files::{base_name, stem, without_ending};
 use super::format::Format;
 use super::imported::Imported;
 use super::places::{Places, names_video};
@@ -226,12 +226,14 @@ impl Attachment {
             .clone()
             .relocate(&imported.folder, &self.video.folder);
         let before = std::mem::take(&mut document.frames);
+        let names = names_of_files(&imported.document.frames);
         document.frames = candidate
             .pairs
             .iter()
             .filter_map(|pair| {
+                let labels_name = names.get(pair.imported)?.clone();
                 self.video
-                    .attach(before.get(pair.imported)?, pair.frame_index)
+                    .attach(before.get(pair.imported)?, labels_name, pair.frame_index)
             })
             .collect();
         let kind = if before.iter().all(|frame| frame.ptz.is_some()) {
@@ -371,7 +373,12 @@ impl OnlyVideo {
     }
 
     /// An imported frame as a frame of this video.
-    fn attach(&self, imported: &Frame, frame_index: u64) -> Option<Shared<Frame>> {
+    fn attach(
+        &self,
+        imported: &Frame,
+        labels_name: Option<String>,
+        frame_index: u64,
+    ) -> Option<Shared<Frame>> {
         let at = self
             .frames
             .binary_search_by_key(&frame_index, |frame| frame.frame_index)
@@ -384,11 +391,37 @@ impl OnlyVideo {
             id: frame.id,
             image: None,
             video: frame.video,
-            labels_name: Some(stem(&imported.name()).to_owned()),
+            labels_name,
             ..imported.clone()
         };
         Some(labelled.into())
     }
+}
+
+/// The names of the files of imported frames; none for a frame without a file of its own, such as a
+/// row of an array. Folders are in them where the files have the same names in each.
+fn names_of_files(frames: &Frames) -> Vec<Option<String>> {
+    let images = frames.iter().map(|frame| frame.image.as_deref());
+    let stems: BTreeSet<&str> = images.clone().flatten().map(stem).collect();
+    let are_different = stems.len() == images.clone().flatten().count();
+    let names = images.map(|image| {
+        let image = image?;
+        Some(if are_different {
+            stem(image).to_owned()
+        } else {
+            path_as_name(image)
+        })
+    });
+    names.collect()
+}
+
+/// A path without its ending as a single name: its parts with `_` between them.
+fn path_as_name(path: &str) -> String {
+    let parts = without_ending(path).split(['/', '\\']);
+    let parts: Vec<&str> = parts
+        .filter(|part| !matches!(*part, "" | "." | ".."))
+        .collect();
+    parts.join("_")
 }
 
 /// Whether a frame belongs to a picture that is not a frame of an unnamed video.

@@ -275,6 +275,24 @@ fn attached_cameras_are_exported_under_the_names_that_they_came_with() {
 }
 
 #[test]
+fn files_of_one_name_and_rows_without_a_name_are_exported_again() {
+    let open = without_labels(&solved_video());
+    let names: Vec<String> = (0..FRAMES)
+        .map(|number| format!("{number:06}/c.json"))
+        .collect();
+    let rows = export_and_import(&solved_video(), Format::Fifa, Format::Fifa).unwrap();
+    for (imported, first) in [
+        (imported_frames(&names), "camera_000000_c.json"),
+        (rows, "camera_match_000000.json"),
+    ] {
+        let joined = join_with(&open, &imported);
+        assert_eq!(joined.matched, FRAMES, "{:?}", joined.notes);
+        let files = export_as(&joined.document, Format::SoccerNet).files;
+        assert_eq!(files.sorted_entries()[0].0, first);
+    }
+}
+
+#[test]
 fn cameras_of_another_video_are_not_attached() {
     let open = without_labels(&solved_video());
     let names: Vec<String> = (0..400).map(|number| format!("c_{number}.json")).collect();

@@ -3,7 +3,7 @@
 use super::AuthorsError;
 use super::mat_file::read_mat;
 use super::mat_value::{MatValue, find_by_name};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::files::read_named;
@@ -153,6 +153,10 @@ impl<'a> Annotation<'a> {
         let image = find_by_name(fields, "image_name")
             .and_then(MatValue::words)
             .ok_or("image_name")?;
+        let mut parts = Path::new(image).components();
+        if !parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+            return Err("an image_name within the folder");
+        }
         let camera = find_by_name(fields, "camera")
             .and_then(MatValue::numbers)
             .filter(|numbers| is_row(numbers, 9))

@@ -245,6 +245,18 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
         error.contains("missing: a principal point in the middle of a picture in annotation 1"),
         "{error}"
     );
+    new_file(
+        folder,
+        "seq3_anno.mat",
+        &sequence(vec![frame("../5.jpg", CAMERA)], true),
+    );
+    let error = read_authors_folder(folder, [118.0, 70.0])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("missing: an image_name within the folder in annotation 1"),
+        "{error}"
+    );
     let bare = vec![vec![("image_name", Out::Words("6.jpg"))]];
     new_file(folder, "seq3_anno.mat", &sequence(bare, true));
     let error = read_authors_folder(folder, [118.0, 70.0])

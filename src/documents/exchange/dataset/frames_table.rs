@@ -71,7 +71,7 @@ fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: &str) -> [String; 2
         field_text(solution.and_then(|solution| solution.confidence)),
         field_text(solution.and_then(|solution| solution.rms_px)),
         field_text(solution.and_then(|solution| solution.worst_corner_sigma_px)),
-        frame.sha256.clone().unwrap_or_default(),
+        field_text(frame.sha256.as_deref().map(text_cell)),
         field_text(planned.undistorted.as_deref().map(text_cell)),
         text_cell(frame.id.as_str()),
     ]
@@ -105,6 +105,7 @@ mod tests {
         frame.id = FrameId::from("=id");
         frame.clip = Some(Clip::Name("-first".to_owned()));
         frame.video = Some(VideoFrame::new("+match.mp4", 7, None));
+        frame.sha256 = Some("=2+2".to_owned());
         let planned = PlannedFrame {
             id: frame.id.clone(),
             split: None,
@@ -122,6 +123,7 @@ mod tests {
             ("camera", "@main"),
             ("clip", "-first"),
             ("video", "+match.mp4"),
+            ("sha256", "=2+2"),
             ("id", "=id"),
         ] {
             assert_eq!(row.text(column), Some(name));

@@ -3,6 +3,8 @@
 
 use super::options::{PictureFormat, Pictures};
 use crate::document::Frame;
+use crate::exchange::camera_format::file_stem;
+use crate::exchange::files::base_name;
 use crate::exchange::node::safe_path;
 use std::path::Path;
 
@@ -23,11 +25,7 @@ pub fn picture_name(
     let name = match (&frame.image, &frame.video) {
         (Some(image), _) => name_from_image(image),
         (None, Some(video)) => {
-            let path = video.path.replace('\\', "/");
-            let stem = Path::new(&path)
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy();
+            let stem = file_stem(&video.path);
             format!("{stem}_{:06}.{}", video.frame_index, format.ending())
         }
         (None, None) => return Err("it has no picture".to_owned()),
@@ -57,12 +55,7 @@ fn name_from_image(image: &str) -> String {
             .strip_prefix(IMAGES)
             .map_or_else(|| plain.clone(), ToOwned::to_owned);
     }
-    image
-        .replace('\\', "/")
-        .rsplit('/')
-        .next()
-        .unwrap_or_default()
-        .to_owned()
+    base_name(image).to_owned()
 }
 
 /// Rejects a name that would leave the folder, or break the lines of a list.

@@ -5,12 +5,12 @@ use super::names::picture_name;
 use super::options::{DatasetOptions, Pictures};
 use super::outside::OwnPlaces;
 use super::split::{Split, split};
-use crate::document::{DocumentAt, Frame, FrameId};
-use crate::exchange::choose::{is_chosen, off_paint_note};
+use crate::document::{DocumentAt, Frame, FrameId, FrameStatus};
+use crate::exchange::choose::{first_left_out, is_chosen, off_paint_note};
 use crate::exchange::error::ExchangeError;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use touchline_core::geometry::ImageSize;
+use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_vision::media::{FrameRef, image_size};
 
 /// The contents of a dataset to be written.
@@ -177,10 +177,8 @@ pub fn plan_dataset(
         }
     }
     if frames.is_empty() {
-        let why = match left_out.as_slice() {
-            [] => "none has the requested status, camera and confidence".to_owned(),
-            [(frame, why), ..] => format!("{frame}: {why} ({} frames in all)", left_out.len()),
-        };
+        let why = first_left_out(&left_out)
+            .unwrap_or_else(|| "none has the requested status, camera and confidence".to_owned());
         return Err(ExchangeError::EmptyDataset { why });
     }
     if let Some(splitting) = options.splitting {
@@ -377,23 +375,22 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
         .collect();
     if let Some(first) = outside.first() {
         notes.push(format!(
-            "{} pictures come from outside of the project, the first from {first}",
-            outside.len()
+            "{} from outside of the project, the first is {first}",
+            pluralise(outside.len(), "picture")
         ));
     }
     let count = plan
         .frames
         .iter()
-        .filter(|frame| {
-            matches!(
-                frame.origin,
-                LabelOrigin::Tracked | LabelOrigin::Suggested | LabelOrigin::Interpolated
-            )
+        .filter(|planned| {
+            let frame = at.document.frames.by_id(&planned.id);
+            frame.is_some_and(|frame| is_unreviewed(frame, planned.origin))
         })
         .count();
     if count > 0 {
         notes.push(format!(
-            "{count} frames have a camera that has not been reviewed"
+            "{} with a camera that has not been reviewed",
+            pluralise(count, "frame")
         ));
     }
     let left_distorted = plan
@@ -403,8 +400,48 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
         .count();
     if options.undistorted && left_distorted > 0 {
         notes.push(format!(
-            "{left_distorted} frames without a camera have no undistorted picture"
+            "{} without a camera and so without an undistorted picture",
+            pluralise(left_distorted, "frame")
         ));
     }
     notes
+}
+
+/// Whether a frame has a camera that no person clicked or accepted.
+fn is_unreviewed(frame: &Frame, origin: LabelOrigin) -> bool {
+    match frame.status {
+        FrameStatus::Reference => false,
+        FrameStatus::Suggested => frame.ptz.is_some(),
+        _ => matches!(
+            origin,
+            LabelOrigin::Tracked | LabelOrigin::Suggested | LabelOrigin::Interpolated
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Solution, SolutionSource};
+    use crate::exchange::tests::reference;
+
+    #[test]
+    fn a_suggestion_of_any_source_is_not_reviewed_and_a_reference_is() {
+        let mut frame = (*reference().frames[0]).clone();
+        for source in [
+            SolutionSource::Markings,
+            SolutionSource::Import,
+            SolutionSource::Interpolated,
+        ] {
+            frame.solution = Some(Solution {
+                source: Some(source),
+                ..Solution::default()
+            });
+            let origin = LabelOrigin::from_frame(&frame).unwrap();
+            frame.status = FrameStatus::Suggested;
+            assert!(is_unreviewed(&frame, origin), "{origin}");
+            frame.status = FrameStatus::Reference;
+            assert!(!is_unreviewed(&frame, origin), "{origin}");
+        }
+    }
 }

@@ -14,8 +14,9 @@ use crate::document::{
     Camera, Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes,
     document_to_string, resolve_path,
 };
+use crate::exchange::choose::first_left_out;
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::cannot_write;
+use crate::exchange::files::{base_name, cannot_write};
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_assets::DATASET_LOADER;
@@ -88,11 +89,7 @@ pub fn write_dataset(
         .filter(|frame| written.of_frame.contains_key(&frame.id))
         .collect();
     if kept.is_empty() {
-        let why = written
-            .left_out
-            .first()
-            .map(|(frame, why)| format!("{frame}: {why}"))
-            .unwrap_or_default();
+        let why = first_left_out(&written.left_out).unwrap_or_default();
         return Err(ExchangeError::EmptyDataset { why });
     }
     let (document, templates) = with_templates(at)?;
@@ -368,12 +365,7 @@ fn with_pictures<'a>(
         }
         if let Some(video) = &mut frame.video {
             // The location of the video on this machine is useless to others.
-            video.path = video
-                .path
-                .rsplit(['/', '\\'])
-                .next()
-                .unwrap_or_default()
-                .to_owned();
+            video.path = base_name(&video.path).to_owned();
         }
     }
     document

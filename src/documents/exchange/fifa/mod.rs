@@ -21,7 +21,7 @@ use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, stem};
 use super::frame_camera::{FrameCamera, FrameProjection};
-use super::held::parts;
+use super::held::{note_several_cameras, parts};
 use super::into_document::{Exactness, View};
 use super::npz::{Npz, archive_to_bytes};
 use super::options::{ImportOptions, Rotations};
@@ -96,7 +96,9 @@ impl CameraFormat for Fifa {
         let note = first.map(|(row, number)| {
             format!("rows carry no frame numbers: row {row} is frame {number} of the video, for frames without a camera have no row")
         });
-        note.into_iter().collect()
+        note.into_iter()
+            .chain(note_several_cameras(frames))
+            .collect()
     }
 
     fn write(

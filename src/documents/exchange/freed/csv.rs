@@ -1,7 +1,7 @@
 //! The table: the numbers of packets, with times.
 
 use super::sample::{CAMERA, Sample};
-use super::{Reading, hold, samples, second_camera_note, zoom_note};
+use super::{Reading, hold, notes, samples, second_camera_note};
 use crate::exchange::camera_format::{CameraFormat, WriteContext, has_ending};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
@@ -41,8 +41,8 @@ impl CameraFormat for FreeDCsv {
         hold(frame, index, context)
     }
 
-    fn notes(&self, _frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
-        vec![zoom_note(context)]
+    fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+        notes(frames, context)
     }
 
     fn write(

@@ -17,7 +17,7 @@ use super::camera_format::WriteContext;
 use super::error::ExchangeError;
 use super::format::Format;
 use super::frame_camera::{FrameCamera, Pinhole};
-use super::held::{parts, plain, with};
+use super::held::{OTHER_SIZE, cannot_hold, note_several_cameras, parts, plain, with};
 use super::options::{ImportOptions, Zoom};
 use sample::Sample;
 use std::collections::BTreeSet;
@@ -115,9 +115,7 @@ fn sample_from_frame(
 ) -> Result<Sample, String> {
     let (pinhole, size) = parts(frame)?;
     if Some(size) != first_size {
-        return Err(
-            "its picture size differs from the first one's; export one camera at a time".to_owned(),
-        );
+        return Err(OTHER_SIZE.to_owned());
     }
     Sample::from_pinhole(
         &pinhole,
@@ -127,13 +125,11 @@ fn sample_from_frame(
     )
 }
 
-/// The error that the packets cannot represent a frame.
-fn cannot_hold(frame: &FrameCamera, format: Format, why: String) -> ExchangeError {
-    ExchangeError::CannotHold {
-        frame: frame.name.clone(),
-        format,
-        why,
-    }
+/// Notes for the user about both formats.
+fn notes(frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+    let mut notes = vec![zoom_note(context)];
+    notes.extend(note_several_cameras(frames));
+    notes
 }
 
 fn zoom_note(context: &WriteContext<'_>) -> String {

@@ -1,20 +1,21 @@
 //! The stream: packets, back to back.
 
 use super::sample::{PACKET, Sample};
-use super::{Reading, cannot_hold, hold, samples, second_camera_note, zoom_note};
+use super::{Reading, hold, notes, samples, second_camera_note};
 use crate::exchange::camera_format::{CameraFormat, EXACT_PX, WriteContext, has_ending};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, refuse_archive};
 use crate::exchange::format::Format;
 use crate::exchange::frame_camera::{FrameCamera, FrameProjection};
+use crate::exchange::held::cannot_hold;
 use crate::exchange::into_document::Exactness;
 use crate::exchange::options::ImportOptions;
 
 /// Packets.
 pub struct FreeD;
 
-/// The rounding of three angles and of a position seen from tens of metres, half a step each, rad.
-const STEP_RAD: f64 = 1.5e-6;
+/// The rounding of three angles and of a position seen from two metres, half a step each, rad.
+const STEP_RAD: f64 = 8e-6;
 
 impl CameraFormat for FreeD {
     fn hold(
@@ -27,10 +28,14 @@ impl CameraFormat for FreeD {
     }
 
     fn resolution_px(&self, held: &FrameCamera) -> f64 {
-        EXACT_PX
-            + held
-                .pinhole()
-                .map_or(0.0, |pinhole| STEP_RAD * pinhole.focal_px)
+        let Some((pinhole, size)) = held.pinhole().zip(held.size) else {
+            return EXACT_PX;
+        };
+        // A turn moves a point by f (1 + r²), with r on normalised coordinates; points are compared
+        // up to a picture's size beyond the border (`farthest_landmark`).
+        let diagonal_px = f64::from(size.width).hypot(f64::from(size.height));
+        let farthest = 1.5 * diagonal_px / pinhole.focal_px;
+        EXACT_PX + STEP_RAD * pinhole.focal_px * (1.0 + farthest.powi(2))
     }
 
     fn exactness(&self) -> Exactness {
@@ -42,8 +47,8 @@ impl CameraFormat for FreeD {
         }
     }
 
-    fn notes(&self, _frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
-        vec![zoom_note(context)]
+    fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+        notes(frames, context)
     }
 
     fn write(

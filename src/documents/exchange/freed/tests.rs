@@ -6,7 +6,8 @@ use crate::exchange::camera_format::CameraFormat;
 use crate::exchange::files::Files;
 use crate::exchange::format::Format;
 use crate::exchange::options::{ImportOptions, Zoom};
-use crate::exchange::tests::{SIZE, awkward, export_as, reference, text_of};
+use crate::exchange::tests::{SIZE, awkward, document, export_as, reference, text_of};
+use touchline_core::camera::{BaseAngles, CameraBase};
 use touchline_core::geometry::Vec3;
 
 #[test]
@@ -47,6 +48,18 @@ fn awkward_cameras_come_back_within_half_a_step() {
             .unwrap()
             .starts_with("412,16.48,00:00:16:12,1,")
     );
+}
+
+#[test]
+fn a_wide_picture_moves_by_more_than_a_step_at_its_border_and_is_written() {
+    let base = CameraBase::new(
+        Vec3::new(0.0, -60.0, 18.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    );
+    let wide = document(&base, &[(-10.0000137, -11.2, 700.0)]);
+    let exported = export_as(&wide, Format::FreeD);
+    assert!(exported.worst_px < 1e-2, "{}", exported.worst_px);
 }
 
 #[test]
@@ -126,8 +139,24 @@ fn a_camera_beyond_the_range_is_an_error() {
     let said = error.unwrap_err().to_string();
     assert_eq!(
         said,
-        "000000 cannot be written as freed: -8960000 steps (m) are more than 24 bits hold (±131 m)"
+        "images/0001.jpg cannot be written as freed: -8960000 steps (m) are more than 24 bits hold (±131 m)"
     );
+}
+
+#[test]
+fn two_cameras_in_one_stream_are_said_when_it_is_written() {
+    let mut document = awkward();
+    let mut other = (*document.cameras[0]).clone();
+    other.id = "other".into();
+    document.cameras.push(other.into());
+    document.frames[3].camera = "other".into();
+    for format in [Format::FreeD, Format::FreeDCsv, Format::Chan, Format::Fifa] {
+        let notes = export_as(&document, format).notes.concat();
+        assert!(
+            notes.contains("frames of 2 cameras are in one track"),
+            "{notes}"
+        );
+    }
 }
 
 #[test]

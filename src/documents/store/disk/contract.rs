@@ -63,7 +63,9 @@ impl DocumentStore for Store {
             // document as it was opened.
             Err(error) => self.opened.clone().ok_or(error)?,
         };
-        let version = OwnVersion::write(self.own.take(), &self.location, &base, own)?;
+        // The earlier one stays known until another replaces it, also where this write fails:
+        // otherwise its file would stay, listed as edits that are not in the document.
+        let version = OwnVersion::write(self.own.as_ref(), &self.location, &base, own)?;
         let Some(version) = version else {
             return Ok(None);
         };

@@ -159,9 +159,6 @@ impl Store {
         if let Some((theirs, _)) = theirs {
             self.opened = Some(theirs);
         }
-        if let Some(own) = self.own.take() {
-            own.remove();
-        }
         Ok(kept)
     }
 
@@ -256,7 +253,12 @@ impl Store {
         // says the same.
         self.journal
             .restart(&hash)
-            .map_err(|source| self.journal_error(source))
+            .map_err(|source| self.journal_error(source))?;
+        // Among them are those of the own version, also where the other program put ours back.
+        if let Some(own) = self.own.take() {
+            own.remove();
+        }
+        Ok(())
     }
 
     /// Writes the document's file unless another program replaces it meanwhile; returns whether it
@@ -352,7 +354,11 @@ fn is_disk_full(error: &io::Error) -> bool {
 /// Moves a journal away if it contains edits; they belong to a document that is no longer here.
 fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
     let holds_edits = match read_regular(path) {
-        Ok(bytes) => JournalContent::parse(&bytes).has_edits(),
+        // What cannot be read may be edits, too: of a newer program, or of a damaged journal.
+        Ok(bytes) => {
+            let content = JournalContent::parse(&bytes);
+            content.has_edits() || content.lost_bytes > 0
+        }
         Err(error) if error.kind() == io::ErrorKind::NotFound => false,
         Err(source) => return Err(StoreError::from_io("read", path, source)),
     };

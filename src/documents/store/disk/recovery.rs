@@ -2,6 +2,7 @@
 
 use crate::store::history_file::HistoryLeftOut;
 use std::path::PathBuf;
+use touchline_core::geometry::pluralise;
 
 /// What was recovered from a journal when a document was opened.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -45,8 +46,8 @@ impl Recovery {
         }
         if self.lost_bytes > 0 {
             sentences.push(format!(
-                "The journal is incomplete: its last {} bytes are unreadable.",
-                self.lost_bytes
+                "The journal is incomplete: {} at its end cannot be read.",
+                pluralise(self.lost_bytes as usize, "byte")
             ));
         }
         if let Some((name, left_out)) = &self.misfit {

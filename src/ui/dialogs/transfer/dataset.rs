@@ -157,7 +157,7 @@ fn show_plan(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
     let size = describe_bytes(plan.picture_bytes);
     let pictures = match plan.pictures() {
         0 => "no pictures".to_owned(),
-        count => format!("{count} pictures, about {size}"),
+        count => format!("{}, about {size}", pluralise(count, "picture")),
     };
     line(
         ui,

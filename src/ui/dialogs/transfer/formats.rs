@@ -165,20 +165,13 @@ fn show_import_preview(panel: &Panel<'_>, ui: &mut Ui) {
                 line(ui, text, palette.text);
             }
             if joined.kept > 0 {
-                line(
-                    ui,
-                    format!(
-                        "{} frames have labels of their own, which stay.",
-                        joined.kept
-                    ),
-                    palette.text,
-                );
+                let frames = pluralise(joined.kept, "frame");
+                let text = format!("{frames} with own labels, which stay.");
+                line(ui, text, palette.text);
             }
             if joined.other_size > 0 {
-                let text = format!(
-                    "{} frames are left out: their pictures have another size here.",
-                    joined.other_size
-                );
+                let frames = pluralise(joined.other_size, "frame");
+                let text = format!("{frames} left out: another size of picture here.");
                 line(ui, text, palette.caution);
             }
             notes(ui, &joined.notes);
@@ -192,7 +185,8 @@ fn show_import_preview(panel: &Panel<'_>, ui: &mut Ui) {
 /// How many frames, clicks and cameras an import brings.
 fn describe_gain(joined: &JoinedImport) -> String {
     let matched = pluralise(joined.matched, "frame");
-    let mut parts = vec![format!("{matched} of this document get labels")];
+    let get = if joined.matched == 1 { "gets" } else { "get" };
+    let mut parts = vec![format!("{matched} of this document {get} labels")];
     for (count, noun) in [
         (joined.added, "new frame"),
         (joined.clicks, "click"),

@@ -71,11 +71,14 @@ fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         for (tab, title, tip) in TABS {
             let is_shown = panel.app.operations.transfer.tab == tab;
-            let can = tab != TransferTab::Import || panel.app.why_not(Command::Import).is_none();
-            let button = ui.add_enabled(can, Button::selectable(is_shown, title));
+            let why_not = match tab {
+                TransferTab::Import => panel.app.why_not(Command::Import),
+                TransferTab::Export | TransferTab::Dataset => None,
+            };
+            let button = ui.add_enabled(why_not.is_none(), Button::selectable(is_shown, title));
             let button = button
                 .on_hover_text(tip)
-                .on_disabled_hover_text("The document is read-only.");
+                .on_disabled_hover_text(why_not.unwrap_or_default());
             if button.clicked() && !is_shown {
                 panel
                     .actions

@@ -4,6 +4,7 @@ use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, RichText, Ui};
 use touchline_application::app::App;
 use touchline_application::app::transfer::{PreviewResult, TransferState, in_dialog};
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::CameraId;
 
 /// Whether there is something to write or to merge: an export or a dataset without an error, or an
@@ -68,11 +69,8 @@ pub fn show_left_out_frames(ui: &mut Ui, frames: &[(String, String)]) {
         line(ui, in_dialog(&format!("Left out: {says}")), palette.caution);
     }
     if frames.len() > SHOWN {
-        line(
-            ui,
-            format!("Left out: {} more frames.", frames.len() - SHOWN),
-            palette.caution,
-        );
+        let more = pluralise(frames.len() - SHOWN, "more frame");
+        line(ui, format!("Left out: {more}."), palette.caution);
     }
 }
 

@@ -74,6 +74,13 @@ impl Stream {
             .filter(|&count: &usize| count > 0);
         let frames = counted
             .or_else(|| duration_s.map(|duration_s| (duration_s * fps).round().max(0.0) as usize));
+        // The pixels lie on their side as the frames do.
+        let stored_aspect = stream("sample_aspect_ratio").and_then(ratio).unwrap_or(1.0);
+        let pixel_aspect = if is_turned {
+            stored_aspect.recip()
+        } else {
+            stored_aspect
+        };
         let starts_s = [stream("start_time"), properties.file_property("start_time")]
             .map(|text| text.and_then(finite_number));
         Some(Self {
@@ -82,7 +89,7 @@ impl Stream {
                 rotation_deg,
                 fps,
                 frames: frames.unwrap_or(0),
-                pixel_aspect: stream("sample_aspect_ratio").and_then(ratio).unwrap_or(1.0),
+                pixel_aspect,
             },
             time_base_s: stream("time_base").and_then(ratio)?,
             start_pts: stream("start_pts")
@@ -183,5 +190,32 @@ impl Properties {
         rotation
             .and_then(|(_, degrees)| degrees.parse().ok())
             .unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn size_and_pixels_of_a_video_on_its_side_are_those_of_the_upright_frames() {
+        for (rotation, size, aspect) in [
+            (0, ImageSize::new(720, 576), 16.0 / 15.0),
+            (-90, ImageSize::new(576, 720), 15.0 / 16.0),
+        ] {
+            let output = format!(
+                "streams.stream.0.codec_name=\"h264\"\n\
+                 streams.stream.0.width=720\n\
+                 streams.stream.0.height=576\n\
+                 streams.stream.0.sample_aspect_ratio=\"16:15\"\n\
+                 streams.stream.0.time_base=\"1/12800\"\n\
+                 streams.stream.0.side_data_list.side_data.0.rotation={rotation}\n"
+            );
+            let stated = Stream::from_properties(&Properties::read(&output))
+                .unwrap()
+                .stated;
+            assert_eq!(stated.size, size);
+            assert!((stated.pixel_aspect - aspect).abs() < 1e-12, "{stated:?}");
+        }
     }
 }

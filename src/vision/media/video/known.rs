@@ -5,7 +5,9 @@ use super::CountProgress;
 use super::backend::VideoBackend;
 use super::survey::{Survey, SurveyedVideo};
 use crate::media::MediaError;
+use crate::media::error::open_file;
 use std::fs::Metadata;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
@@ -13,6 +15,9 @@ use touchline_core::progress::Progress;
 
 /// Number of surveys kept.
 const REMEMBERED: usize = 32;
+
+/// Number of bytes by which the beginning of a file is recognised.
+const HEAD_BYTES: u64 = 1 << 14;
 
 /// Surveys, each of a file in one state.
 type Examinations = Vec<(FileState, Arc<Examination>)>;
@@ -110,12 +115,14 @@ pub(super) struct FileState {
     file: [u64; 2],
     bytes: u64,
     modified: SystemTime,
+    /// Its first bytes.
+    head: Vec<u8>,
     /// The backend: another one may report other times.
     backend: VideoBackend,
 }
 
 impl FileState {
-    /// `None` if the system does not provide length or time.
+    /// `None` if the system does not provide length or time, or the file cannot be read.
     pub(super) fn read(path: &Path, backend: VideoBackend) -> Option<Self> {
         let metadata = std::fs::metadata(path).ok()?;
         Some(Self {
@@ -123,6 +130,7 @@ impl FileState {
             file: file_numbers(&metadata),
             bytes: metadata.len(),
             modified: metadata.modified().ok()?,
+            head: read_head(path)?,
             backend,
         })
     }
@@ -131,12 +139,35 @@ impl FileState {
     /// that has only grown still has the frames that it had; to survey it again for each of them
     /// would take very long. A file that is missing is not replaced.
     pub(super) fn is_replaced(&self) -> bool {
-        let Some(now) = Self::read(&self.path, self.backend) else {
+        let Ok(now) = std::fs::metadata(&self.path) else {
             return false;
         };
-        let has_grown = now.file == self.file && now.bytes > self.bytes;
-        now != *self && !has_grown
+        let is_same_file = file_numbers(&now) == self.file;
+        if is_same_file
+            && now.len() == self.bytes
+            && now.modified().is_ok_and(|at| at == self.modified)
+        {
+            return false;
+        }
+        // A copy over the file leaves the same file, too, and may be longer; a recording that has
+        // grown begins as it did.
+        let has_grown = is_same_file && now.len() > self.bytes && self.begins_as_before();
+        !has_grown
     }
+
+    /// Whether the file begins as it did; true if it cannot be read.
+    fn begins_as_before(&self) -> bool {
+        let now = read_head(&self.path);
+        now.is_none_or(|head| head.starts_with(&self.head))
+    }
+}
+
+/// The first bytes of a file; `None` if it cannot be read.
+fn read_head(path: &Path) -> Option<Vec<u8>> {
+    let mut head = Vec::new();
+    let file = open_file(path).ok()?;
+    file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
+    Some(head)
 }
 
 /// The numbers of [`FileState`].
@@ -221,8 +252,10 @@ mod tests {
         assert!(!then.is_replaced(), "it has grown");
         fs::write(&path, b"less").unwrap();
         assert!(then.is_replaced(), "it is shorter");
+        fs::write(&path, b"other frames and more").unwrap();
+        assert!(then.is_replaced(), "it is longer and begins otherwise");
         if cfg!(unix) {
-            fs::write(&other, b"a longer video").unwrap();
+            fs::write(&other, b"frames of a longer video").unwrap();
             fs::rename(&other, &path).unwrap();
             assert!(then.is_replaced(), "it is another file");
         }

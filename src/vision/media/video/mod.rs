@@ -2,8 +2,9 @@
 //!
 //! The index counts decoded frames, from 0. The container's own count is not used: edit lists,
 //! truncated files and estimates from the duration make it wrong. Every frame is identified by its
-//! time stamp, so frame N is the same picture however it is reached. A damaged frame in the middle
-//! of a long video of constant rate keeps its index, and reading it is an error.
+//! time stamp, so frame N is the same picture however it is reached; where times go back, as in
+//! recordings that were joined, frames are counted from the first one. A damaged frame in the
+//! middle of a long video of constant rate keeps its index, and reading it is an error.
 
 mod backend;
 mod capture;

@@ -182,14 +182,21 @@ fn read_properties(inner: &VideoCapture) -> StatedProperties {
         property(inner, videoio::CAP_PROP_SAR_NUM),
         property(inner, videoio::CAP_PROP_SAR_DEN),
     );
+    let rotation_deg =
+        (property(inner, videoio::CAP_PROP_ORIENTATION_META) as i64).rem_euclid(360) as u32;
     StatedProperties {
         size: ImageSize::new(width, height),
-        rotation_deg: (property(inner, videoio::CAP_PROP_ORIENTATION_META) as i64).rem_euclid(360)
-            as u32,
+        rotation_deg,
         fps: positive(fps).unwrap_or(25.0),
         frames: positive(frames).map_or(0, |frames| frames as usize),
+        // The pixels lie on their side as the frames do.
         pixel_aspect: if across > 0.0 && down > 0.0 {
-            across / down
+            let stored_aspect = across / down;
+            if rotation_deg % 180 == 90 {
+                stored_aspect.recip()
+            } else {
+                stored_aspect
+            }
         } else {
             1.0
         },

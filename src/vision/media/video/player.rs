@@ -1,7 +1,7 @@
 //! Seeking in a capture by frame index: reading on if the frame is near, a seek if it is far.
 
-use super::VideoInfo;
 use super::capture::Capture;
+use super::{FrameClock, VideoInfo};
 use crate::media::MediaError;
 
 /// Maximum distance that is covered by reading on. A seek costs the frames since the last key frame
@@ -150,21 +150,36 @@ impl Player {
     }
 
     /// Grabs the next frame and determines its index: by its time, or by counting if the time is
-    /// unknown.
+    /// unknown or goes back.
     fn advance(&mut self, info: &VideoInfo) -> Result<ReadOutcome, MediaError> {
+        // The end and a failure of the reader leave no position, so that the next access seeks.
+        let before = self.position.take();
         if !self.capture.grab()? {
-            self.position = None;
             return Ok(ReadOutcome::End);
         }
         // Frames without a time of their own are counted. After a seek the position is unknown, and
         // such a frame has no index.
-        let counted = self.position.map(|at| at + 1);
-        self.position = self
+        let time_s = self
             .capture
             .time_s()
-            .map_or(counted, |time_s| info.clock.index_at(time_s));
+            .filter(|&time_s| !goes_back(&info.clock, before, time_s));
+        self.position = match time_s {
+            Some(time_s) => info.clock.index_at(time_s),
+            None => before.map(|at| at + 1),
+        };
         Ok(self.position.map_or(ReadOutcome::OffBeat, ReadOutcome::At))
     }
+}
+
+/// Whether a time is not later than that of the frame before it, in a video of irregular times. The
+/// list has such a frame behind its predecessor, at another time than its own.
+fn goes_back(clock: &FrameClock, before: Option<usize>, time_s: f64) -> bool {
+    let FrameClock::Listed(times_s) = clock else {
+        return false;
+    };
+    before
+        .and_then(|at| times_s.get(at))
+        .is_some_and(|&before_s| time_s <= before_s)
 }
 
 fn damaged_frame_error(info: &VideoInfo, index: usize, reason: &str) -> MediaError {

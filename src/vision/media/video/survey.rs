@@ -139,11 +139,13 @@ pub(super) fn survey(
         .filter(|(_, picture)| may_be_interlaced(&info) && is_combed(picture));
     let mut combed = at_the_start.count();
 
+    let mut go_back = false;
     if lead.is_whole {
         // A short video was played as a whole; its times are known. An even clock is preferred
         // where it fits, for it stores no list.
         if deviation_s > ROUNDED_S {
             info.clock = clock_from_times(&lead.times_s, first_s, info.fps);
+            go_back = times_go_back(&info.clock, &lead.times_s);
         }
     } else {
         let counter = Counter {
@@ -184,14 +186,15 @@ pub(super) fn survey(
             info.decoded_frames = times_s.len();
             if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
                 info.clock = clock_from_times(&times_s, first_s, info.fps);
+                go_back = times_go_back(&info.clock, &times_s);
             }
         }
     }
     // 5. Interlaced if two of the sampled frames show combs. If seeking does not reproduce the
-    //    pictures of playing, all access plays from the start.
+    //    pictures of playing, or a time stands for several frames, all access plays from the start.
     combed += count_combed_in_middle(&mut player, &info);
     info.interlaced = combed >= 2;
-    if !jumps_agree(&mut player, &info, &lead.samples) {
+    if go_back || !jumps_agree(&mut player, &info, &lead.samples) {
         player.preroll = usize::MAX;
         info.notices.push(Notice::NoJumping {
             path: path.to_path_buf(),
@@ -296,7 +299,8 @@ fn deviation_s(clock: &FrameClock, times_s: &[Option<f64>]) -> f64 {
 }
 
 /// A clock from the times of all frames. Unknown times, and times that do not increase, follow
-/// their predecessor at the stated rate; OpenCV does not know those of the last frames.
+/// their predecessor at the stated rate; OpenCV does not know those of the last frames. The player
+/// counts such frames as well.
 fn clock_from_times(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
     let mut last_s = first_s - 1.0 / fps;
     let mut filled = Vec::with_capacity(times_s.len());
@@ -307,6 +311,16 @@ fn clock_from_times(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClo
         filled.push(last_s);
     }
     FrameClock::Listed(filled.into())
+}
+
+/// Whether the times go back for more frames than a decoder puts in order at a cut, as where
+/// recordings were joined: a seek to a time may then lead to either part.
+fn times_go_back(clock: &FrameClock, times_s: &[Option<f64>]) -> bool {
+    let replaced = times_s
+        .iter()
+        .enumerate()
+        .filter(|(index, time_s)| time_s.is_some() && **time_s != clock.pts_s(*index));
+    replaced.count() > REORDERED_FRAMES
 }
 
 /// The number of frames, from the index of the last one; `None` if the times do not fit one rate.
@@ -498,11 +512,56 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(64, 36);
 
-    /// A video of which only the times matter.
+    /// A video of which only the times matter; a picture shows how many frames were grabbed.
     struct TimesOnly {
         times_s: Vec<f64>,
         grabbed: usize,
         stated: StatedProperties,
+        /// The frame before which the reader breaks down, once.
+        breaks_at: Option<usize>,
+    }
+
+    impl TimesOnly {
+        fn new(indices: impl Iterator<Item = i32>) -> Self {
+            Self {
+                times_s: indices.map(|index| f64::from(index) / 25.0).collect(),
+                grabbed: 0,
+                stated: StatedProperties {
+                    size: SIZE,
+                    rotation_deg: 0,
+                    fps: 25.0,
+                    frames: 100,
+                    pixel_aspect: 1.0,
+                },
+                breaks_at: None,
+            }
+        }
+    }
+
+    fn player(capture: TimesOnly, preroll: usize) -> Player {
+        Player {
+            capture: Box::new(capture),
+            position: None,
+            preroll,
+        }
+    }
+
+    /// A video of 25 frames a second, of which 32 have been played.
+    fn info() -> VideoInfo {
+        VideoInfo {
+            path: Arc::from(Path::new("match.ts")),
+            size: SIZE,
+            rotation_deg: 0,
+            fps: 25.0,
+            stated_frames: 100,
+            decoded_frames: 32,
+            interlaced: false,
+            clock: FrameClock::Even {
+                first_s: 0.0,
+                fps: 25.0,
+            },
+            notices: Vec::new(),
+        }
     }
 
     impl Capture for TimesOnly {
@@ -511,6 +570,14 @@ mod tests {
         }
 
         fn grab(&mut self) -> Result<bool, MediaError> {
+            if self.breaks_at == Some(self.grabbed) {
+                self.breaks_at = None;
+                return Err(MediaError::ReaderFailed {
+                    path: "match.ts".into(),
+                    reader: "ffmpeg".to_owned(),
+                    reason: "it was ended".to_owned(),
+                });
+            }
             let is_there = self.grabbed < self.times_s.len();
             self.grabbed += usize::from(is_there);
             Ok(is_there)
@@ -531,48 +598,54 @@ mod tests {
         }
 
         fn picture(&mut self, _: usize) -> Result<Picture, MediaError> {
-            Ok(Picture::with_colour(SIZE, [0; 4]))
+            Ok(Picture::with_colour(SIZE, [self.grabbed as u8; 4]))
         }
     }
 
     #[test]
     fn a_last_frame_whose_time_goes_back_is_not_counted_by_its_time() {
-        let info = VideoInfo {
-            path: Arc::from(Path::new("match.ts")),
-            size: SIZE,
-            rotation_deg: 0,
-            fps: 25.0,
-            stated_frames: 100,
-            decoded_frames: 32,
-            interlaced: false,
-            clock: FrameClock::Even {
-                first_s: 0.0,
-                fps: 25.0,
-            },
-            notices: Vec::new(),
-        };
         for (last, expected) in [(60, Some(61)), (10, None)] {
-            let capture = TimesOnly {
-                times_s: (0..60)
-                    .chain([last])
-                    .map(|index| f64::from(index) / 25.0)
-                    .collect(),
-                grabbed: 0,
-                stated: StatedProperties {
-                    size: SIZE,
-                    rotation_deg: 0,
-                    fps: 25.0,
-                    frames: 100,
-                    pixel_aspect: 1.0,
-                },
-            };
-            let mut player = Player {
-                capture: Box::new(capture),
-                position: None,
-                preroll: 0,
-            };
-            let counted = count_to_the_end(&mut player, &info, &mut 0).unwrap();
+            let mut player = player(TimesOnly::new((0..60).chain([last])), 0);
+            let counted = count_to_the_end(&mut player, &info(), &mut 0).unwrap();
             assert_eq!(counted, expected, "the last frame has the time of {last}");
         }
+    }
+
+    #[test]
+    fn frames_of_joined_recordings_are_counted_where_their_times_begin_again() {
+        let capture = TimesOnly::new((0..50).chain(0..70));
+        let times_s: Vec<Option<f64>> = capture.times_s.iter().copied().map(Some).collect();
+        let joined = VideoInfo {
+            clock: clock_from_times(&times_s, 0.0, 25.0),
+            decoded_frames: times_s.len(),
+            ..info()
+        };
+        assert!(times_go_back(&joined.clock, &times_s));
+        assert!(
+            !times_go_back(&joined.clock, &times_s[..51]),
+            "the last one alone"
+        );
+        let mut player = player(capture, usize::MAX);
+        for index in [49, 50, 100, 20, 119, 60] {
+            player.go_to(&joined, index).unwrap();
+            let shown = player.capture.picture(index).unwrap().rgba()[0];
+            assert_eq!(usize::from(shown), index + 1);
+        }
+    }
+
+    #[test]
+    fn a_reader_that_broke_down_is_started_again_by_the_next_access() {
+        let info = VideoInfo {
+            decoded_frames: 100,
+            ..info()
+        };
+        let mut capture = TimesOnly::new(0..100);
+        capture.breaks_at = Some(40);
+        let mut player = player(capture, 0);
+        player.go_to(&info, 30).unwrap();
+        assert!(player.go_to(&info, 45).is_err());
+        assert_eq!(player.position, None);
+        player.go_to(&info, 45).unwrap();
+        assert_eq!(player.position, Some(45));
     }
 }

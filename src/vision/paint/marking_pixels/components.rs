@@ -86,7 +86,6 @@ pub(super) fn long_ones(
         .map(|ridge| MarkingPixel {
             at: ridge.at,
             normal: ridge.normal,
-            length_px: components[of_part[ridge.index]].length_px,
         })
         .collect()
 }

@@ -30,8 +30,6 @@ pub struct MarkingPixel {
     pub at: ImagePoint,
     /// Unit vector across the marking, in the picture.
     pub normal: Vec2,
-    /// Diagonal of the bounding box of the connected component that the pixel belongs to, px.
-    pub length_px: f64,
 }
 
 /// The marking pixels of a picture, and where it shows ground.

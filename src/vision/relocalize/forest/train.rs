@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 
 /// Progress of training.
@@ -30,7 +31,10 @@ pub enum Stopped {
     #[error("training was stopped")]
     Cancelled,
     /// There are no samples.
-    #[error("{frames} references give no features to learn from")]
+    #[error(
+        "no features to learn from in {}; label frames that show the stadium",
+        pluralise(*frames, "reference")
+    )]
     NoSamples {
         /// Number of frames given.
         frames: usize,

@@ -5,9 +5,9 @@ use crate::media::Picture;
 use std::ops::Range;
 
 /// Columns of a miniature.
-pub const WIDTH: usize = 64;
+const WIDTH: usize = 64;
 /// Rows of a miniature.
-pub const HEIGHT: usize = 36;
+const HEIGHT: usize = 36;
 /// Pixels sampled per side of a cell; their mean is the value of the cell.
 const SAMPLES: usize = 6;
 /// Largest shift tried, in columns and rows of a miniature of half the size.
@@ -22,7 +22,6 @@ pub struct Miniature {
 
 impl Miniature {
     /// Reduces a picture to cells.
-    #[must_use]
     pub fn from_picture(picture: &Picture) -> Self {
         let (width, height) = (
             picture.size().width as usize,
@@ -60,7 +59,6 @@ impl Miniature {
     ///
     /// A panning camera shifts its picture, which is no cut; after the shift little difference
     /// remains.
-    #[must_use]
     pub fn difference(&self, other: &Self) -> f32 {
         // Exhaustive search at half the size, then refinement by one cell at full size: 153 and 9
         // comparisons, where full size alone would take 561 of four times as many cells. A shift of
@@ -82,7 +80,6 @@ impl Miniature {
 
     /// Mean absolute difference from the mean of two others, without a shift; small in a cross-fade
     /// from one to the other.
-    #[must_use]
     pub fn difference_from_blend(&self, before: &Self, after: &Self) -> f32 {
         // Midway through a cross-fade a frame is the mean of both pictures, colour by colour.
         let blended = before.cells.iter().zip(&after.cells);
@@ -99,15 +96,8 @@ impl Miniature {
         sum / (3 * self.cells.len()) as f32
     }
 
-    /// Mean absolute difference without a shift.
-    #[must_use]
-    pub fn unshifted_difference(&self, other: &Self) -> f32 {
-        shifted_difference(&self.cells, &other.cells, (WIDTH, HEIGHT), (0, 0))
-    }
-
     /// Mean absolute deviation of the cells from their mean, per colour channel; zero for a picture
     /// of one colour.
-    #[must_use]
     pub fn contrast(&self) -> f32 {
         let count = self.cells.len() as f32;
         let mean =

@@ -8,9 +8,8 @@
 
 mod miniature;
 
-pub use miniature::Miniature;
-
 use crate::media::Picture;
+use miniature::Miniature;
 use std::collections::VecDeque;
 
 /// Minimum difference of a cut, grey levels. Neighbouring frames of the fastest pans and zooms of
@@ -44,7 +43,7 @@ pub struct FoundCut {
 
 /// Detects cuts in frames that are pushed one after the other without gaps.
 #[derive(Debug, Default)]
-pub struct CutFinder {
+struct CutFinder {
     /// The latest frames, as many as the window of a fade has.
     latest: VecDeque<Miniature>,
     measured: Vec<CutMeasurements>,
@@ -91,7 +90,7 @@ pub fn find_cuts(pictures: impl IntoIterator<Item = Option<Picture>>) -> Vec<Fou
 
 impl CutFinder {
     /// Adds the next frame.
-    pub fn push(&mut self, frame: Miniature) {
+    fn push(&mut self, frame: Miniature) {
         // The first frame has no predecessor and is no cut: its difference is 0. Other differences
         // that do not exist are ∞, so that they are no minimum.
         let step = self.difference_from(1, &frame).unwrap_or(0.0);
@@ -131,8 +130,7 @@ impl CutFinder {
     }
 
     /// The cuts among the frames added so far, in frame order.
-    #[must_use]
-    pub fn cuts(&self) -> Vec<FoundCut> {
+    fn cuts(&self) -> Vec<FoundCut> {
         // Fades over empty frames come first: a fade to black and back is one cut, not one on each
         // side.
         let mut cuts: Vec<FoundCut> = self
