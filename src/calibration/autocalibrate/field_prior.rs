@@ -206,12 +206,7 @@ impl FieldPrior {
             options,
         };
         let resize = |values: &[f64]| self.resize(field, values);
-        let mut sizes = fit_field_size(&resize, &open.params_of(field), &start)?;
-        // The fit starts from the size of `field`; report the deviation from what the document
-        // assumes.
-        for (size, param) in sizes.iter_mut().zip(&open.params) {
-            size.assumed_m = param.assumed_m;
-        }
+        let sizes = fit_field_size(&resize, &open.params, &start)?;
         let field = resize(&sizes.iter().map(|size| size.value_m).collect::<Vec<_>>())?;
         Some((field, sizes))
     }

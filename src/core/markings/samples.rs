@@ -48,13 +48,19 @@ pub struct LineSample {
 const PLAIN_WIDTH_PX: f64 = 0.8;
 
 impl LineSample {
-    /// How much it counts against a camera if no paint is seen here, 0 to 1: 1 for wide paint. The
-    /// contrast that is left of paint narrower than a pixel falls with its width, and what
-    /// compression leaves of it falls faster.
+    /// How much it counts against a camera if no paint is seen here, 0 to 1 ([`detectability`]).
     #[must_use]
     pub fn detectability(&self) -> f64 {
-        (self.width_px / PLAIN_WIDTH_PX).powi(2).min(1.0)
+        detectability(self.width_px)
     }
+}
+
+/// How surely paint of a width is seen in a picture where nothing covers it, 0 to 1: 1 for wide
+/// paint. The contrast that is left of paint narrower than a pixel falls with its width, and what
+/// compression leaves of it falls faster.
+#[must_use]
+pub fn detectability(width_px: f64) -> f64 {
+    (width_px / PLAIN_WIDTH_PX).powi(2).min(1.0)
 }
 
 /// Maximum step outside the picture, as a fraction of a line, so that no visible part is skipped.

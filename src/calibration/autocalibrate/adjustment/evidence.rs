@@ -192,9 +192,10 @@ fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Li
 fn is_touchline(field: &FieldModel, line: usize) -> bool {
     const WITHIN_M: f64 = 0.2;
     let curve = field.lines[line].paint_centre;
-    [0.0, 1.0]
-        .into_iter()
-        .all(|end| (curve.point_at(end).y.abs() - 0.5 * field.width_m).abs() < WITHIN_M)
+    // Both ends on the same side: the ends of the halfway line and of the goal lines lie on the
+    // touchlines as well.
+    let [one, other] = [0.0, 1.0].map(|end| curve.point_at(end).y);
+    (one - other).abs() < WITHIN_M && (one.abs() - 0.5 * field.width_m).abs() < WITHIN_M
 }
 
 /// Counts of paint and line samples in one frame.

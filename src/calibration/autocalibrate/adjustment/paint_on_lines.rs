@@ -7,9 +7,10 @@
 
 use crate::autocalibrate::frames::matched_frames::FramePaint;
 use crate::autocalibrate::search::pitch_map::{OnLine, PitchMap};
+use crate::autocalibrate::search::pose::paint_certainty;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, subsample};
+use touchline_core::geometry::{ImagePoint, Vec2, Vec3, subsample};
 use touchline_core::solve::base::FrameClicks;
 use touchline_core::solve::{BlockEquations, Loss, Observation};
 use touchline_vision::track::{PosePrior, PriorSource};
@@ -63,15 +64,18 @@ impl LineAssignment<'_> {
             };
             // The nearest line is found by angle from the camera; the gate is in pixels, the unit
             // of the adjustment.
-            let off_px = beside_px(camera, &near, *image).unwrap_or(f64::INFINITY);
-            if off_px > self.reach_px * self.scale {
+            let paint_m = self.field.lines[near.line].width_m;
+            let Some(seen) = SeenLine::project(camera, &near, paint_m) else {
+                continue;
+            };
+            if seen.distance_px(*image) > self.reach_px * self.scale {
                 continue;
             }
             of_line[near.line].extend(Observation::from_paint(
                 self.field,
                 near.line,
                 *image,
-                SIGMA_PX * self.scale,
+                SIGMA_PX * self.scale / paint_certainty(seen.width_px).sqrt(),
                 place,
             ));
         }
@@ -82,16 +86,34 @@ impl LineAssignment<'_> {
     }
 }
 
-/// The distance of an image point from the projected line, px; none if the line is behind the
-/// camera. The direction of the line in the picture is a finite difference over 0.1 m.
-fn beside_px(camera: &PtzCamera, line: &OnLine, image: ImagePoint) -> Option<f64> {
-    const STEP_M: f64 = 0.1;
-    let at = camera.image_from_world(line.at).ok()?;
-    let further = camera
-        .image_from_world(line.at + STEP_M * line.tangent.normalize())
-        .ok()?;
-    let along = further.offset_from(at).try_normalize(0.0)?;
-    Some(image.offset_from(at).perp(&along).abs())
+/// A line as a camera sees it around one of its points.
+struct SeenLine {
+    at: ImagePoint,
+    /// Unit normal of the projected line.
+    normal: Vec2,
+    /// The width of its paint along the normal, px.
+    width_px: f64,
+}
+
+impl SeenLine {
+    /// Projects a line that is painted with this width, m. None if the point is behind the camera.
+    fn project(camera: &PtzCamera, line: &OnLine, paint_m: f64) -> Option<Self> {
+        let seen = camera.image_from_world_jacobian(line.at).ok()?;
+        let along = (seen.by_world * line.tangent).try_normalize(0.0)?;
+        let normal = Vec2::new(along.y, -along.x);
+        let across = Vec3::new(-line.tangent.y, line.tangent.x, 0.0).try_normalize(0.0)?;
+        let width_px = paint_m * normal.dot(&(seen.by_world * across)).abs();
+        Some(Self {
+            at: seen.point,
+            normal,
+            width_px,
+        })
+    }
+
+    /// The distance of an image point from the line, px.
+    fn distance_px(&self, image: ImagePoint) -> f64 {
+        image.offset_from(self.at).dot(&self.normal).abs()
+    }
 }
 
 /// Moves the assigned paint to the same lines of a field with another crown or size.
@@ -141,4 +163,60 @@ fn paint_prior(frame: usize, taken: &FrameClicks, base: &CameraBase, ptz: Ptz) -
         equations.add(seen, &camera, PAINT_LOSS);
     }
     PosePrior::new(frame, ptz, equations.own, PriorSource::Paint)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::autocalibrate::rotating_camera::{IMAGE_SIZE, base, paint, ptz, soccer};
+    use touchline_core::field::FieldElement;
+
+    #[test]
+    fn paint_beside_a_line_that_is_hardly_seen_counts_less() {
+        let (field, ptz) = (soccer().assumed, ptz()[3]);
+        let scale = IMAGE_SIZE.scale_from_1920();
+        let lines = LineAssignment {
+            field: &field,
+            map: &PitchMap::with_grid(&field),
+            reach_px: 4.0,
+            scale,
+        };
+        let taken = lines.clicks_of_frame(&paint(&field, ptz), &base(), Some(ptz));
+        let wide_px = SIGMA_PX * scale;
+        let is_wide = |seen: &&Observation| seen.sigma_px < wide_px + 1e-9;
+        assert!(taken.observations.iter().filter(is_wide).count() > 10);
+
+        // The far touchline is 97 m away and 0.18 px wide.
+        let far = field
+            .lines
+            .iter()
+            .position(|line| line.id.as_str() == "touchline_far");
+        let of_far = FieldElement::Paint(far.unwrap());
+        let of_far: Vec<&Observation> = taken
+            .observations
+            .iter()
+            .filter(|seen| seen.element == Some(of_far))
+            .collect();
+        assert!(of_far.len() > 10);
+        for seen in of_far {
+            let times = seen.sigma_px / wide_px;
+            assert!((3.5..5.5).contains(&times), "{times}");
+        }
+    }
+
+    #[test]
+    fn a_line_has_the_width_of_its_edges_and_points_beside_it_their_distance() {
+        let (field, camera) = (soccer().assumed, PtzCamera::new(base(), ptz()[2]));
+        for line in PitchMap::without_grid(&field).samples(5.0) {
+            let paint_m = field.lines[line.line].width_m;
+            let Some(seen) = SeenLine::project(&camera, &line, paint_m) else {
+                continue;
+            };
+            let across = Vec3::new(-line.tangent.y, line.tangent.x, 0.0).normalize();
+            let edge = camera.image_from_world(line.at + across * (0.5 * paint_m));
+            // Perspective makes the nearer half of the paint a little wider.
+            let half_px = seen.distance_px(edge.unwrap());
+            assert!((half_px - 0.5 * seen.width_px).abs() <= 0.01 * seen.width_px + 1e-9);
+        }
+    }
 }

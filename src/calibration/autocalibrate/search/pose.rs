@@ -5,6 +5,7 @@ use nalgebra::{SVector, Vector1};
 use touchline_core::field::FieldElement;
 use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
+use touchline_core::markings::detectability;
 use touchline_core::solve::{
     BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise,
 };
@@ -70,6 +71,18 @@ impl PanoramaPose {
     }
 }
 
+/// How certain it is that paint beside a line of this width (px) belongs to it, 0 to 1: as certain
+/// as that the line would be seen ([`detectability`]). What a camera sees beside a line of a fifth
+/// of a pixel is as likely the foot of the boards behind it.
+///
+/// Drawn clip 27 of the bowl (behind a goal, filmed off a screen): where all lines counted alike,
+/// the boards 10 px beside the far goal line drew the length from 108.9 to 112.5 m and the camera 3
+/// to 4 m away, whatever it began with. By this weight it ends 0.5 m off.
+pub fn paint_certainty(width_px: f64) -> f64 {
+    const LEAST: f64 = 0.01;
+    detectability(width_px).max(LEAST)
+}
+
 /// A direction of paint with the line that it should lie on.
 pub struct PaintCorrespondence {
     pub direction_in_panorama: Vec3,
@@ -86,6 +99,18 @@ impl PaintCorrespondence {
         let across = (self.line.at - at.position_m).cross(&self.line.tangent);
         let length = across.norm();
         (length > 0.0).then(|| (across / length, length))
+    }
+}
+
+impl PaintCorrespondence {
+    /// The angle that the paint of the line appears wide, rad, if it is painted `paint_m` wide; none
+    /// if the line points at the camera.
+    pub fn paint_angle(&self, at: &PanoramaPose, paint_m: f64) -> Option<f64> {
+        let (normal, _) = self.plane(at)?;
+        let tangent = self.line.tangent;
+        let across = Vec3::new(-tangent.y, tangent.x, 0.0).try_normalize(0.0)?;
+        let distance_m = (self.line.at - at.position_m).norm();
+        Some(paint_m * normal.dot(&across).abs() / distance_m)
     }
 }
 

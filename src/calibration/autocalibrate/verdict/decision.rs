@@ -154,6 +154,7 @@ impl Decision<'_> {
             few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP)
                 .or_else(|| open_size(camera))
                 .or_else(|| unusual_size(camera, self.field_prior))
+                .or_else(|| self.contradicting_click(camera))
         };
         let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
         if is_doubted || !doubts.is_empty() {
@@ -293,14 +294,15 @@ fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
         let apart_m = apart_m(other.position_m(), best.position_m(), &best.camera.field);
         apart_m > SAME_POSITION_M && other.score() > 0.0
     };
-    let elsewhere = candidates.find(is_elsewhere);
-    best.camera.evidence.rival = elsewhere.as_ref().map_or(0.0, Hypothesis::score);
-    // A candidate against which there is evidence cannot question one without.
+    let elsewhere: Vec<Hypothesis> = candidates.filter(is_elsewhere).collect();
+    best.camera.evidence.rival = elsewhere.first().map_or(0.0, Hypothesis::score);
+    // A candidate against which there is evidence cannot question one without, and does not hide
+    // the one after it.
     let is_runner_up = |other: &Hypothesis| {
         best.score() < RUNNER_UP_RATIO * other.score()
             && (other.doubts().is_empty() || !best.doubts().is_empty())
     };
-    let runner_up = elsewhere.filter(is_runner_up);
+    let runner_up = elsewhere.into_iter().find(is_runner_up);
     Ok(Choice { best, runner_up })
 }
 
@@ -369,6 +371,11 @@ mod tests {
         assert_eq!(
             chosen(vec![beside(0.0, 0.9), doubtful.clone()]),
             (0.85, None)
+        );
+        assert_eq!(
+            chosen(vec![beside(0.0, 0.9), doubtful.clone(), beside(-9.0, 0.8)]),
+            (0.85, Some(9.0)),
+            "nor does it hide another one"
         );
         let mut best = beside(0.0, 0.9);
         best.camera.evidence.lines.clear();

@@ -58,10 +58,11 @@ pub struct FittedSize {
 /// is 0.04 to 0.13 m.
 const OPEN_M: f64 = 0.5;
 
-/// The start of the fit: a base and its frames on the assumed field.
+/// The start of the fit: a base and its frames on a field.
 #[derive(Clone, Copy, Debug)]
 pub struct SizeStart<'a> {
-    /// The field as assumed, with the crown of the base; the frames' clicks are of it.
+    /// The field, with the crown of the base and the size that the fit starts from; the frames'
+    /// clicks are of it.
     pub field: &'a FieldModel,
     /// The clicks.
     pub frames: &'a [FrameClicks],
@@ -108,9 +109,12 @@ pub fn fit_field_size(
         shared,
         ptz: start.ptz.iter().flatten().copied().collect(),
     };
+    // The fit starts from the size that the frames were adjusted at. The priors stay at the assumed
+    // values: a prior around the start would let repeated fits walk away where the frames show little.
+    let begin = |param: &SizeParam| start.field.params.get(&param.name).copied();
     let mut values: Vec<f64> = params
         .iter()
-        .map(|param| param.assumed_m.clamp(param.min_m, param.max_m))
+        .map(|param| (begin(param).unwrap_or(param.assumed_m)).clamp(param.min_m, param.max_m))
         .collect();
     // A size that reaches a limit of the rules is fixed there (active set).
     let mut held = [false; SIZES];

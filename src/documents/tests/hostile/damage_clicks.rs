@@ -175,7 +175,6 @@ fn labelme(damage: &mut Damage) {
         "\"imagePath\": \"0002.jpg\"",
     );
     damage.swap("huge-width", "\"imageWidth\": 1920", "\"imageWidth\": 1e9");
-    damage.swap("other-size", "\"imageWidth\": 1920", "\"imageWidth\": 1080");
     damage.swap(
         "shapes-as-a-number",
         "\"shapes\": [",

@@ -5,7 +5,7 @@
 //! within the round builds no field and interpolates no rotations.
 
 use super::super::pitch_map::PitchMap;
-use super::super::pose::PaintCorrespondence;
+use super::super::pose::{PaintCorrespondence, paint_certainty};
 use super::parameters::{
     CROWN, FieldFamily, LENGTHS, LOG_SCALE, NUM_PARAMETERS, POSITION, Parameters, Prior, ROTATION,
 };
@@ -81,6 +81,13 @@ impl<'a> PaintSamples<'a> {
         });
         Some(directions.collect())
     }
+
+    /// The focal length of the frame of each sample at a focal scale, px.
+    fn focal_px_at(&self, log_scale: f64) -> Option<Vec<f64>> {
+        let ptz = self.rotations.at(log_scale)?.ptz;
+        let samples = self.samples.iter();
+        Some(samples.map(|sample| ptz[sample.frame].focal_px).collect())
+    }
 }
 
 /// Pairs each sample of paint with the line that it passes nearest to, if within three gates of it.
@@ -104,11 +111,13 @@ pub(super) fn match_paint_to_lines(
     let map = PitchMap::without_grid(&field);
     let directions = paint.directions_at(at.log_scale)?;
     let stepped_directions = paint.directions_at(at.log_scale + LOG_SCALE_STEP)?;
+    let focal_px = paint.focal_px_at(at.log_scale)?;
 
     let mut pairs = Vec::new();
     // A pair that is already farther from its line than three gates is probably paint of another
     // line, or no line at all.
-    for (direction, stepped_direction) in directions.into_iter().zip(stepped_directions) {
+    let directions = directions.into_iter().zip(stepped_directions);
+    for ((direction, stepped_direction), focal_px) in directions.zip(focal_px) {
         let (Some(direction), Some(stepped_direction)) = (direction, stepped_direction) else {
             continue;
         };
@@ -126,6 +135,12 @@ pub(super) fn match_paint_to_lines(
         if off[0].abs() > 3.0 * gate {
             continue;
         }
+        let paint_m = field.lines[line.line].width_m;
+        let width_px = pair.paint_angle(&at.pose, paint_m).unwrap_or(0.0) * focal_px;
+        let pair = PaintCorrespondence {
+            sigma: gate / paint_certainty(width_px).sqrt(),
+            ..pair
+        };
         // z = 0 is the middle of the field: the higher the crown, the lower lie the touchlines
         // (`Crown::ground_z`).
         let line_by_crown = Vec3::new(0.0, 0.0, -field.crown().drop_share(line.at.y));
