@@ -163,14 +163,14 @@ pub fn labels(field: &FieldModel, lines: &[usize]) -> Vec<String> {
     of_lines.collect()
 }
 
-/// The missing lines ([`ENOUGH`]), by index. Touchlines are excepted.
+/// The missing lines ([`ENOUGH`]), by index. Those that end on the long sides are excepted.
 fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<usize> {
     let is_missing = |line: &usize| {
         let sum = |of: fn(&LineCounts) -> f64| -> f64 {
             of_frames.iter().map(|lines| of(&lines[*line])).sum()
         };
         let (predicted, seen) = (sum(|counts| counts.predicted), sum(|counts| counts.seen));
-        predicted >= ENOUGH && seen < MIN_OF_LINE * predicted && !is_touchline(field, *line)
+        predicted >= ENOUGH && seen < MIN_OF_LINE * predicted && !ends_on_long_sides(field, *line)
     };
     (0..field.lines.len()).filter(is_missing).collect()
 }
@@ -188,14 +188,16 @@ fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Li
     )
 }
 
-/// Whether a line runs along one of the long sides of the field.
-fn is_touchline(field: &FieldModel, line: usize) -> bool {
+/// Whether a line ends on the long sides of the field, as the touchlines, the goal lines and the
+/// halfway line do. Mowing stripes end there as well, and boards stand behind them, so that the
+/// right camera may see little of their paint: in one broadcast, whose camera stands on the halfway
+/// line, too little of that.
+fn ends_on_long_sides(field: &FieldModel, line: usize) -> bool {
     const WITHIN_M: f64 = 0.2;
     let curve = field.lines[line].paint_centre;
-    // Both ends on the same side: the ends of the halfway line and of the goal lines lie on the
-    // touchlines as well.
-    let [one, other] = [0.0, 1.0].map(|end| curve.point_at(end).y);
-    (one - other).abs() < WITHIN_M && (one.abs() - 0.5 * field.width_m).abs() < WITHIN_M
+    [0.0, 1.0]
+        .into_iter()
+        .all(|end| (curve.point_at(end).y.abs() - 0.5 * field.width_m).abs() < WITHIN_M)
 }
 
 /// Counts of paint and line samples in one frame.

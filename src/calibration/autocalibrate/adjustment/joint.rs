@@ -398,6 +398,8 @@ mod tests {
     use crate::autocalibrate::rotating_camera::{
         IMAGE_SIZE, base, exact_matches, frames_at_scale, ptz, soccer,
     };
+    use touchline_core::field::FieldElement;
+    use touchline_core::solve::Observation;
 
     /// The position that is found in the paint of a field, from a start, m, and how much of the
     /// paint lies on lines in the end.
@@ -434,6 +436,49 @@ mod tests {
             100 * num_taken >= 98 * num_of_right,
             "{num_taken} of {num_of_right}"
         );
+    }
+
+    /// Whether a point lies on a line that does not move with the length of a field.
+    fn shows_no_length(seen: &Observation, field: &FieldModel) -> bool {
+        let Some(FieldElement::Paint(line)) = seen.element else {
+            return false;
+        };
+        [
+            "halfway_line",
+            "centre_circle",
+            "touchline_near",
+            "touchline_far",
+        ]
+        .contains(&field.lines[line].id.as_str())
+    }
+
+    #[test]
+    fn a_length_that_no_line_shows_returns_to_what_is_assumed() {
+        let prior = soccer();
+        let long = prior.with_lengths(&[110.0, 68.0]).unwrap();
+        let mut at = JointState {
+            field: long.clone(),
+            base: base(),
+            ptz: ptz().into_iter().map(Some).collect(),
+            taken: Vec::new(),
+        };
+        let paint = &frames_at_scale(&long).paint;
+        let scale = IMAGE_SIZE.scale_from_1920();
+        at.assign_paint(paint, &PitchMap::with_grid(&long), 4.0, scale);
+        for frame in &mut at.taken {
+            frame
+                .observations
+                .retain(|seen| shows_no_length(seen, &long));
+        }
+        let model = model(CrownModel::Fixed(long.crown_m));
+        let options = options(Loss::Cauchy { c: 1.5 });
+        let width = (IMAGE_SIZE.width, &options);
+        let (field, sizes) = prior
+            .fit_size(&long, &at.taken, &at.base, &at.ptz, &model, width)
+            .unwrap();
+        assert!(sizes[0].is_open, "{:?}", sizes[0]);
+        assert!((field.length_m - 105.0).abs() < 0.5, "{} m", field.length_m);
+        assert!((field.width_m - 68.0).abs() < 0.5, "{} m", field.width_m);
     }
 
     /// `apart` of frames that each measure the position along x, m. The position from several
