@@ -403,11 +403,11 @@ mod tests {
 
     /// The position that is found in the paint of a field, from a start, m, and how much of the
     /// paint lies on lines in the end.
-    fn adjusted(paint_of: &FieldModel, field: &FieldModel, base: CameraBase) -> (Vec3, usize) {
+    fn adjusted(paint_of: &FieldModel, field: &FieldModel, base: &CameraBase) -> (Vec3, usize) {
         let start = JointStart {
             reach: FirstReach::Narrow,
             field: field.clone(),
-            base,
+            base: *base,
             ptz: ptz().into_iter().map(Some).collect(),
         };
         let observed = FrameObservations {
@@ -428,8 +428,8 @@ mod tests {
         let wide = soccer().with_lengths(&[105.0, 72.0]).unwrap();
         let mut beside = base();
         beside.position_m.y += 2.0;
-        let (position_m, num_taken) = adjusted(&wide, &soccer().assumed, beside);
-        let (_, num_of_right) = adjusted(&wide, &wide, base());
+        let (position_m, num_taken) = adjusted(&wide, &soccer().assumed, &beside);
+        let (_, num_of_right) = adjusted(&wide, &wide, &base());
         let off_m = (position_m - base().position_m).norm();
         assert!(off_m < 0.3, "{off_m:.2} m");
         assert!(
