@@ -308,24 +308,38 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     );
 }
 
-#[test]
-fn of_two_answers_each_can_be_tried_and_undone() {
-    let mut bench = Bench::new(unknown(5));
-    bench.command(Command::FindCamera);
+/// Two cameras of five frames 30 m apart, between which one click decides.
+fn two_cameras() -> AutocalibrationAnswer {
     let deciding = DecidingLandmark {
         frame: 3,
         landmark: "halfway_far".into(),
         image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
     };
-    let two = |deciding| {
-        let (best, other) = (found_camera(5, 0.0).into(), found_camera(5, 30.0).into());
-        AutocalibrationAnswer::Two {
-            best,
-            other,
-            deciding,
-        }
-    };
-    report(&mut bench, two(Some(deciding)));
+    AutocalibrationAnswer::Two {
+        best: found_camera(5, 0.0).into(),
+        other: found_camera(5, 30.0).into(),
+        deciding: Some(deciding),
+    }
+}
+
+/// Clicks the deciding landmark of [`two_cameras`] at a place in its frame, px.
+fn click_deciding(bench: &mut Bench, (x, y): (f64, f64)) {
+    bench.act(Action::Navigate(Navigation::GoTo(3)));
+    bench.act(Action::Edit(EditAction::Pick(Target::Landmark(
+        "halfway_far".into(),
+    ))));
+    bench.act(Action::Pointer(PointerAction::Press {
+        at: ImagePoint::new(x, y),
+        on: None,
+    }));
+    bench.act(Action::Pointer(PointerAction::Release));
+}
+
+#[test]
+fn of_two_answers_each_can_be_tried_and_undone() {
+    let mut bench = Bench::new(unknown(5));
+    bench.command(Command::FindCamera);
+    report(&mut bench, two_cameras());
     assert!(!has_base(&bench.app), "none is given");
     assert_eq!(bench.app.session.panel, SidePanel::Camera);
     let said = bench.last_notice();
@@ -358,30 +372,12 @@ fn of_two_answers_each_can_be_tried_and_undone() {
 fn a_base_that_the_user_found_meanwhile_is_not_replaced_by_a_click() {
     let mut bench = Bench::new(unknown(5));
     bench.command(Command::FindCamera);
-    let deciding = DecidingLandmark {
-        frame: 3,
-        landmark: "halfway_far".into(),
-        image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
-    };
-    let answer = AutocalibrationAnswer::Two {
-        best: found_camera(5, 0.0).into(),
-        other: found_camera(5, 30.0).into(),
-        deciding: Some(deciding),
-    };
-    report(&mut bench, answer);
+    report(&mut bench, two_cameras());
     let mut camera = Camera::clone(&bench.app.open().unwrap().document.cameras[0]);
     let own = found_camera(5, 7.0).base;
     camera.set_base(&own);
     bench.act(Action::Edit(EditAction::Camera(Box::new(camera))));
-    bench.act(Action::Navigate(Navigation::GoTo(3)));
-    bench.act(Action::Edit(EditAction::Pick(Target::Landmark(
-        "halfway_far".into(),
-    ))));
-    bench.act(Action::Pointer(PointerAction::Press {
-        at: ImagePoint::new(403.0, 298.0),
-        on: None,
-    }));
-    bench.act(Action::Pointer(PointerAction::Release));
+    click_deciding(&mut bench, (403.0, 298.0));
     let base = bench.app.open().unwrap().document.cameras[0].base();
     assert_eq!(base.map(|base| base.position_m), Some(own.position_m));
 }
@@ -395,29 +391,8 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
     ] {
         let mut bench = Bench::new(unknown(5));
         bench.command(Command::FindCamera);
-        let deciding = DecidingLandmark {
-            frame: 3,
-            landmark: "halfway_far".into(),
-            image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
-        };
-        let (best, other) = (found_camera(5, 0.0).into(), found_camera(5, 30.0).into());
-        report(
-            &mut bench,
-            AutocalibrationAnswer::Two {
-                best,
-                other,
-                deciding: Some(deciding),
-            },
-        );
-        bench.act(Action::Navigate(Navigation::GoTo(3)));
-        bench.act(Action::Edit(EditAction::Pick(Target::Landmark(
-            "halfway_far".into(),
-        ))));
-        bench.act(Action::Pointer(PointerAction::Press {
-            at: ImagePoint::new(at.0, at.1),
-            on: None,
-        }));
-        bench.act(Action::Pointer(PointerAction::Release));
+        report(&mut bench, two_cameras());
+        click_deciding(&mut bench, at);
         let found_x_m = bench.app.open().unwrap().document.cameras[0]
             .base()
             .map(|base| base.position_m.x);

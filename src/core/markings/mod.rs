@@ -20,5 +20,5 @@ mod window;
 pub use ground::visible_ground;
 pub use landmarks::{ProjectedLandmark, project_landmarks};
 pub use lines::{MarkingOptions, MarkingPolyline, project_lines};
-pub use samples::{LineSample, SampleOptions, detectability, sample_lines};
+pub use samples::{LineSample, ProjectedLine, SampleOptions, detectability, sample_lines};
 pub use verdict::{FEWEST_OPEN, LineVerdict};

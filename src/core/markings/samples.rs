@@ -102,7 +102,7 @@ pub fn sample_lines(
                     at: here.at,
                     image: here.image,
                     normal: here.normal,
-                    width_px: here.px_across_per_m.abs() * of.width_m,
+                    width_px: here.width_px(of.width_m),
                     outward: here.outward(field),
                 });
             }
@@ -118,19 +118,63 @@ pub fn sample_lines(
     samples
 }
 
-/// A point of a projected curve.
-struct Projected {
+/// A line as a camera sees it around one of its points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProjectedLine {
+    /// The point, `world`, m.
     at: Vec3,
+    /// Its image, px.
     image: ImagePoint,
+    /// The unit normal of the projected line.
     normal: Vec2,
+    /// Derivative of the image along the line, px per unit of the curve's parameter.
     px_per_t: f64,
-    /// The horizontal direction across the curve, `world`, unit.
+    /// The horizontal direction across the line, `world`, unit.
     across: Vec3,
-    /// Derivative of the image along the normal, by a shift of the point across the curve, px/m.
+    /// Derivative of the image along the normal, by a shift of the point across the line, px/m.
     px_across_per_m: f64,
 }
 
-impl Projected {
+impl ProjectedLine {
+    /// Projects a line through a point (`world`, m) with this tangent, the derivative of the point
+    /// by the parameter of its curve. None if the camera does not see the point, or if the line
+    /// degenerates to a point in the picture.
+    #[must_use]
+    pub fn new(camera: &PtzCamera, at: Vec3, tangent: Vec3) -> Option<Self> {
+        let here = camera.image_from_world_jacobian(at).ok()?;
+        let along = here.by_world * tangent;
+        let px_per_t = along.norm();
+        if !(px_per_t > 0.0) || !here.point.is_finite() {
+            return None;
+        }
+
+        // The paint's width is horizontal and perpendicular to the line. Its image along the normal
+        // is the visible width.
+        let normal = Vec2::new(along.y, -along.x) / px_per_t;
+        let across = Vec3::new(-tangent.y, tangent.x, 0.0).try_normalize(0.0)?;
+        let px_across_per_m = normal.dot(&(here.by_world * across));
+        Some(Self {
+            at,
+            image: here.point,
+            normal,
+            px_per_t,
+            across,
+            px_across_per_m,
+        })
+    }
+
+    /// The distance of an image point from the line, px.
+    #[must_use]
+    pub fn distance_px(&self, image: ImagePoint) -> f64 {
+        image.offset_from(self.image).dot(&self.normal).abs()
+    }
+
+    /// The width along the normal, px, of paint that is `paint_m` wide.
+    #[must_use]
+    pub fn width_px(&self, paint_m: f64) -> f64 {
+        self.px_across_per_m.abs() * paint_m
+    }
+
     /// The side of the line that is outside the playing area: see [`LineSample::outward`].
     fn outward(&self, field: &FieldModel) -> f64 {
         // Both places are tested, because a line inside the field has none of them outside.
@@ -148,9 +192,8 @@ impl Projected {
     }
 }
 
-/// Projects a point of a curve with its derivatives. None if the camera does not see it, or if the
-/// curve degenerates to a point in the picture.
-fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Option<Projected> {
+/// Projects a curve of a field around one of its points, on the crowned ground.
+fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Option<ProjectedLine> {
     let nominal = curve.point_at(t);
     let at = field.world_from_nominal(nominal);
     // The tangent on the crowned ground: dz/dt = −c · d(drop)/dy · dy/dt.
@@ -158,26 +201,7 @@ fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Opt
     let crown = field.crown();
     let [drop_by_y, _] = crown.drop_share_by_y_and_width(nominal.y);
     tangent.z -= crown.height_m * drop_by_y * tangent.y;
-    let here = camera.image_from_world_jacobian(at).ok()?;
-    let along = here.by_world * tangent;
-    let px_per_t = along.norm();
-    if !(px_per_t > 0.0) || !here.point.is_finite() {
-        return None;
-    }
-
-    // The paint's width is horizontal and perpendicular to the line. Its image along the normal is
-    // the visible width.
-    let normal = Vec2::new(along.y, -along.x) / px_per_t;
-    let across = Vec3::new(-tangent.y, tangent.x, 0.0).try_normalize(0.0)?;
-    let px_across_per_m = normal.dot(&(here.by_world * across));
-    Some(Projected {
-        at,
-        image: here.point,
-        normal,
-        px_per_t,
-        across,
-        px_across_per_m,
-    })
+    ProjectedLine::new(camera, at, tangent)
 }
 
 /// Distance of a point from the picture less its border, px; 0 inside.

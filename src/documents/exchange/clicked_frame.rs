@@ -55,6 +55,18 @@ pub struct ClickContext<'a> {
 /// of the options then, which is not that of the picture itself.
 pub type Sizes<'a> = dyn Fn(&str) -> Option<ImageSize> + 'a;
 
+/// The size of a picture: its own, which its file or the labels state, or that of the options.
+///
+/// # Errors
+/// None of them is known.
+pub fn size_or_option(
+    image: &str,
+    own: Option<ImageSize>,
+    options: &ImportOptions,
+) -> Result<ImageSize, Problem> {
+    own.or(options.size).ok_or_else(|| size_needed(image))
+}
+
 /// The error about a picture of unknown size.
 #[must_use]
 pub fn size_needed(image: &str) -> Problem {

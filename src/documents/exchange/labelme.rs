@@ -6,7 +6,7 @@
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
+    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_or_option,
 };
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, folder_prefix, without_ending};
@@ -72,8 +72,7 @@ fn read_file(
             why: "labelme rotates pictures by their EXIF orientation; save it rotated",
         });
     }
-    let size = stated.or(there).or(options.size);
-    let size = size.ok_or_else(|| size_needed(&image))?;
+    let size = size_or_option(&image, stated.or(there), options)?;
     let mut marks = Vec::new();
     for shape in root.key("shapes")?.items()? {
         // Each point of a line is a mark of its label. Boxes, circles and polygons say nothing of a

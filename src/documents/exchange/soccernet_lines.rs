@@ -8,7 +8,7 @@
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
+    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_or_option,
 };
 use super::coco::range_of;
 use super::error::{ExchangeError, Problem};
@@ -168,8 +168,7 @@ impl ClickFormat for SoccerNetLines {
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         files.read_all(|file, bytes| {
             let path = without_ending(file);
-            let size = sizes(path).or(options.size);
-            let size = size.ok_or_else(|| size_needed(path))?;
+            let size = size_or_option(path, sizes(path), options)?;
             let marks = read_file(bytes, size)?;
             Ok(Some(LabelledFrame {
                 name: path.to_owned(),

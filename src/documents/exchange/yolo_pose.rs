@@ -8,7 +8,7 @@
 
 use super::camera_format::has_ending;
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
+    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_or_option,
 };
 use super::coco::{in_order, is_keypoint, range_of};
 use super::error::{ExchangeError, Problem};
@@ -258,9 +258,8 @@ impl ClickFormat for YoloPose {
             let stem = without_ending(base_name(file));
             let at_image = without_ending(file).replacen("labels/", "images/", 1);
             // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
-            let size = sizes(&at_image).or_else(|| sizes(stem));
-            let size = size.or(options.size);
-            let size = size.ok_or_else(|| size_needed(&at_image))?;
+            let own = sizes(&at_image).or_else(|| sizes(stem));
+            let size = size_or_option(&at_image, own, options)?;
             // A picture without labels has an empty file.
             let lines = if bytes.is_empty() { "" } else { text(bytes)? };
             let mut marks = Vec::new();

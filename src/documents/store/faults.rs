@@ -388,6 +388,21 @@ fn a_power_cut_at_any_call_keeps_what_was_acknowledged() {
     }
 }
 
+/// Opens the document of a folder, which must be writable.
+fn open_to_write(place: &Path) -> (Store, Location) {
+    match open(place).unwrap() {
+        Opened {
+            access: Access::Writable(store),
+            location,
+            ..
+        } => (store, location),
+        Opened {
+            access: Access::ReadOnly(reason),
+            ..
+        } => panic!("{reason}"),
+    }
+}
+
 #[test]
 fn after_a_journal_is_lost_nothing_is_acknowledged_before_the_document_is_whole() {
     let states = states();
@@ -396,14 +411,7 @@ fn after_a_journal_is_lost_nothing_is_acknowledged_before_the_document_is_whole(
     for failing in 0..30 {
         let folder = project();
         let place = fs::canonicalize(folder.path()).unwrap();
-        let Opened {
-            access: Access::Writable(mut store),
-            location,
-            ..
-        } = open(&place).unwrap()
-        else {
-            panic!("read-only")
-        };
+        let (mut store, location) = open_to_write(&place);
         store.append(&[edit(1)]).unwrap();
         fs::remove_file(location.journal()).unwrap();
         assert!(matches!(
@@ -440,24 +448,13 @@ fn after_a_journal_is_lost_nothing_is_acknowledged_before_the_document_is_whole(
 fn a_deleted_lock_is_taken_again_unless_another_program_has_the_document() {
     let folder = project();
     let place = fs::canonicalize(folder.path()).unwrap();
-    let open_to_write = || match open(&place).unwrap() {
-        Opened {
-            access: Access::Writable(store),
-            location,
-            ..
-        } => (store, location),
-        Opened {
-            access: Access::ReadOnly(reason),
-            ..
-        } => panic!("{reason}"),
-    };
-    let (mut store, location) = open_to_write();
+    let (mut store, location) = open_to_write(&place);
     fs::remove_file(location.lock()).unwrap();
     store.save(&start(), &History::default()).unwrap();
     assert!(location.lock().exists());
 
     fs::remove_file(location.lock()).unwrap();
-    let (other, _) = open_to_write();
+    let (other, _) = open_to_write(&place);
     let refusal = store.save(&start(), &History::default()).unwrap_err();
     assert!(matches!(refusal, StoreError::ReadOnly { .. }), "{refusal}");
     drop(store);
@@ -472,14 +469,7 @@ fn a_deleted_lock_is_taken_again_unless_another_program_has_the_document() {
 fn an_own_version_is_one_file_and_goes_when_the_document_holds_its_edits() {
     let folder = project();
     let place = fs::canonicalize(folder.path()).unwrap();
-    let Opened {
-        access: Access::Writable(mut store),
-        location,
-        ..
-    } = open(&place).unwrap()
-    else {
-        panic!("read-only")
-    };
+    let (mut store, location) = open_to_write(&place);
     let ours = fs::read(location.file()).unwrap();
     let mut theirs = start();
     theirs.frames[0].comment = Some("theirs".to_owned());

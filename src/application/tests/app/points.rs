@@ -71,16 +71,19 @@ fn landmark_first_shows_the_field_while_the_pointer_moves() {
     assert!(bench.app.current().preview.is_none());
 }
 
+/// The image of a point of the far touchline, at a share of its length.
+fn on_far_touchline(share: f64) -> ImagePoint {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let line = &field.line("touchline_far").unwrap().curve;
+    truth(0).image_from_world(line.point_at(share)).unwrap()
+}
+
 #[test]
 fn points_on_lines_check_points_and_deleting() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");
     bench.command(Command::PlaceOnLine);
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let on_touchline = truth(0)
-        .image_from_world(field.line("touchline_far").unwrap().curve.point_at(0.55))
-        .unwrap();
-    bench.click(on_touchline);
+    bench.click(on_far_touchline(0.55));
     bench.act(Action::Navigate(Navigation::TypeName(
         "touchline far".into(),
     )));
@@ -110,11 +113,7 @@ fn one_point_is_on_a_line_also_where_its_name_is_certain() {
     bench.place("centre_mark");
     bench.place("halfway_far");
     bench.command(Command::PlaceOnLine);
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let on_touchline = truth(0)
-        .image_from_world(field.line("touchline_far").unwrap().curve.point_at(0.55))
-        .unwrap();
-    bench.click(on_touchline);
+    bench.click(on_far_touchline(0.55));
     assert_eq!(
         bench.frame().clicks[2].target,
         Some(Target::Line("touchline_far".into()))
@@ -126,11 +125,6 @@ fn one_point_is_on_a_line_also_where_its_name_is_certain() {
 #[test]
 fn a_tool_stays_until_another_is_chosen() {
     let mut bench = Bench::new(document(1, true));
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let on_line = |share: f64| {
-        let line = &field.line("touchline_far").unwrap().curve;
-        truth(0).image_from_world(line.point_at(share)).unwrap()
-    };
     let take_touchline = |bench: &mut Bench| {
         let typed = Navigation::TypeName("touchline far".into());
         bench.act(Action::Navigate(typed));
@@ -138,7 +132,7 @@ fn a_tool_stays_until_another_is_chosen() {
     };
     bench.command(Command::LineTool);
     for share in [0.45, 0.55] {
-        bench.click(on_line(share));
+        bench.click(on_far_touchline(share));
         take_touchline(&mut bench);
     }
     let names: Vec<_> = bench
@@ -164,7 +158,7 @@ fn a_tool_stays_until_another_is_chosen() {
 
     // Nothing is placed, and a point is deselected; a name that was chosen first is placed.
     bench.command(Command::SelectTool);
-    bench.click(on_line(0.5));
+    bench.click(on_far_touchline(0.5));
     assert_eq!(
         (
             bench.frame().clicks.len(),

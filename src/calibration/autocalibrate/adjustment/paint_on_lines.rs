@@ -6,11 +6,12 @@
 //! prior per frame.
 
 use crate::autocalibrate::frames::matched_frames::FramePaint;
-use crate::autocalibrate::search::pitch_map::{OnLine, PitchMap};
+use crate::autocalibrate::search::pitch_map::PitchMap;
 use crate::autocalibrate::search::pose::paint_certainty;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, Vec2, Vec3, subsample};
+use touchline_core::geometry::subsample;
+use touchline_core::markings::ProjectedLine;
 use touchline_core::solve::base::FrameClicks;
 use touchline_core::solve::{BlockEquations, Loss, Observation};
 use touchline_vision::track::{PosePrior, PriorSource};
@@ -64,18 +65,18 @@ impl LineAssignment<'_> {
             };
             // The nearest line is found by angle from the camera; the gate is in pixels, the unit
             // of the adjustment.
-            let paint_m = self.field.lines[near.line].width_m;
-            let Some(seen) = SeenLine::project(camera, &near, paint_m) else {
+            let Some(seen) = ProjectedLine::new(camera, near.at, near.tangent) else {
                 continue;
             };
             if seen.distance_px(*image) > self.reach_px * self.scale {
                 continue;
             }
+            let width_px = seen.width_px(self.field.lines[near.line].width_m);
             of_line[near.line].extend(Observation::from_paint(
                 self.field,
                 near.line,
                 *image,
-                SIGMA_PX * self.scale / paint_certainty(seen.width_px).sqrt(),
+                SIGMA_PX * self.scale / paint_certainty(width_px).sqrt(),
                 place,
             ));
         }
@@ -83,36 +84,6 @@ impl LineAssignment<'_> {
             .into_iter()
             .flat_map(|places| subsample(places, OF_LINE))
             .collect()
-    }
-}
-
-/// A line as a camera sees it around one of its points.
-struct SeenLine {
-    at: ImagePoint,
-    /// Unit normal of the projected line.
-    normal: Vec2,
-    /// The width of its paint along the normal, px.
-    width_px: f64,
-}
-
-impl SeenLine {
-    /// Projects a line that is painted with this width, m. None if the point is behind the camera.
-    fn project(camera: &PtzCamera, line: &OnLine, paint_m: f64) -> Option<Self> {
-        let seen = camera.image_from_world_jacobian(line.at).ok()?;
-        let along = (seen.by_world * line.tangent).try_normalize(0.0)?;
-        let normal = Vec2::new(along.y, -along.x);
-        let across = Vec3::new(-line.tangent.y, line.tangent.x, 0.0).try_normalize(0.0)?;
-        let width_px = paint_m * normal.dot(&(seen.by_world * across)).abs();
-        Some(Self {
-            at: seen.point,
-            normal,
-            width_px,
-        })
-    }
-
-    /// The distance of an image point from the line, px.
-    fn distance_px(&self, image: ImagePoint) -> f64 {
-        image.offset_from(self.at).dot(&self.normal).abs()
     }
 }
 
@@ -170,6 +141,7 @@ mod tests {
     use super::*;
     use crate::autocalibrate::rotating_camera::{IMAGE_SIZE, base, paint, ptz, soccer};
     use touchline_core::field::FieldElement;
+    use touchline_core::geometry::Vec3;
 
     #[test]
     fn paint_beside_a_line_that_is_hardly_seen_counts_less() {
@@ -209,14 +181,15 @@ mod tests {
         let (field, camera) = (soccer().assumed, PtzCamera::new(base(), ptz()[2]));
         for line in PitchMap::without_grid(&field).samples(5.0) {
             let paint_m = field.lines[line.line].width_m;
-            let Some(seen) = SeenLine::project(&camera, &line, paint_m) else {
+            let Some(seen) = ProjectedLine::new(&camera, line.at, line.tangent) else {
                 continue;
             };
             let across = Vec3::new(-line.tangent.y, line.tangent.x, 0.0).normalize();
             let edge = camera.image_from_world(line.at + across * (0.5 * paint_m));
             // Perspective makes the nearer half of the paint a little wider.
             let half_px = seen.distance_px(edge.unwrap());
-            assert!((half_px - 0.5 * seen.width_px).abs() <= 0.01 * seen.width_px + 1e-9);
+            let width_px = seen.width_px(paint_m);
+            assert!((half_px - 0.5 * width_px).abs() <= 0.01 * width_px + 1e-9);
         }
     }
 }

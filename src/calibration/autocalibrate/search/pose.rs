@@ -100,9 +100,7 @@ impl PaintCorrespondence {
         let length = across.norm();
         (length > 0.0).then(|| (across / length, length))
     }
-}
 
-impl PaintCorrespondence {
     /// The angle that the paint of the line appears wide, rad, if it is painted `paint_m` wide; none
     /// if the line points at the camera.
     pub fn paint_angle(&self, at: &PanoramaPose, paint_m: f64) -> Option<f64> {

@@ -18,6 +18,12 @@ fn new_file(folder: &Path, name: &str, bytes: &[u8]) -> std::path::PathBuf {
     path
 }
 
+/// The message with which a folder is not read.
+fn refusal(folder: &Path) -> String {
+    let read = read_authors_folder(folder, [118.0, 70.0]);
+    read.unwrap_err().to_string()
+}
+
 #[test]
 fn both_orders_of_bytes_and_compression_read_the_same() {
     let variables = || {
@@ -215,65 +221,37 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
         touchline_core::geometry::ImageSize::new(1280, 720)
     );
 
-    let turned = {
-        [
-            640.0, 360.0, 3733.8, 1.6177, 0.46, -0.436, 114.3, 1.11, 6.38,
-        ]
-    };
-    new_file(
-        folder,
-        "seq3_anno.mat",
-        &sequence(vec![frame("5.jpg", turned)], true),
-    );
-    let error = read_authors_folder(folder, [118.0, 70.0])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("seq3_anno.mat: the camera of 5.jpg is"),
-        "{error}"
-    );
-    let huge = { [4e9, 360.0, 3733.8, 1.6177, 0.46, -0.436, 114.3, 1.11, 6.38] };
-    new_file(
-        folder,
-        "seq3_anno.mat",
-        &sequence(vec![frame("5.jpg", huge)], true),
-    );
-    let error = read_authors_folder(folder, [118.0, 70.0])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("missing: a principal point in the middle of a picture in annotation 1"),
-        "{error}"
-    );
-    new_file(
-        folder,
-        "seq3_anno.mat",
-        &sequence(vec![frame("../5.jpg", CAMERA)], true),
-    );
-    let error = read_authors_folder(folder, [118.0, 70.0])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("missing: an image_name within the folder in annotation 1"),
-        "{error}"
-    );
+    let turned = [
+        640.0, 360.0, 3733.8, 1.6177, 0.46, -0.436, 114.3, 1.11, 6.38,
+    ];
+    let huge = [4e9, 360.0, 3733.8, 1.6177, 0.46, -0.436, 114.3, 1.11, 6.38];
     let bare = vec![vec![("image_name", Out::Words("6.jpg"))]];
-    new_file(folder, "seq3_anno.mat", &sequence(bare, true));
-    let error = read_authors_folder(folder, [118.0, 70.0])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("missing: nine numbers of a camera in annotation 1"),
-        "{error}"
-    );
-    new_file(folder, "seq3_anno.mat", b"MATLAB 5.0 MAT-file");
-    let error = read_authors_folder(folder, [118.0, 70.0])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("seq3_anno.mat: it is not a MATLAB file of level 5"),
-        "{error}"
-    );
+    for (bytes, said) in [
+        (
+            sequence(vec![frame("5.jpg", turned)], true),
+            "seq3_anno.mat: the camera of 5.jpg is",
+        ),
+        (
+            sequence(vec![frame("5.jpg", huge)], true),
+            "missing: a principal point in the middle of a picture in annotation 1",
+        ),
+        (
+            sequence(vec![frame("../5.jpg", CAMERA)], true),
+            "missing: an image_name within the folder in annotation 1",
+        ),
+        (
+            sequence(bare, true),
+            "missing: nine numbers of a camera in annotation 1",
+        ),
+        (
+            b"MATLAB 5.0 MAT-file".to_vec(),
+            "seq3_anno.mat: it is not a MATLAB file of level 5",
+        ),
+    ] {
+        new_file(folder, "seq3_anno.mat", &bytes);
+        let error = refusal(folder);
+        assert!(error.contains(said), "{error}");
+    }
 }
 
 #[test]
@@ -283,9 +261,7 @@ fn another_principal_point_is_named_as_what_differs() {
     moved[0] += 3.0;
     let frames = vec![frame("1.jpg", CAMERA), frame("2.jpg", moved)];
     new_file(root.path(), "seq1_anno.mat", &sequence(frames, true));
-    let error = read_authors_folder(root.path(), [118.0, 70.0])
-        .unwrap_err()
-        .to_string();
+    let error = refusal(root.path());
     assert!(
         error.contains("seq1_anno.mat: the principal point of 2.jpg is 3.0 px away"),
         "{error}"

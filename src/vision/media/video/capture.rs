@@ -21,6 +21,16 @@ pub(super) struct StatedProperties {
     pub pixel_aspect: f64,
 }
 
+/// The width of a pixel over its height in the frames as they are returned: pixels of frames that a
+/// quarter turn sets upright lie on their side.
+pub(super) fn turned_aspect(stored_aspect: f64, rotation_deg: u32) -> f64 {
+    if rotation_deg % 180 == 90 {
+        stored_aspect.recip()
+    } else {
+        stored_aspect
+    }
+}
+
 /// An open video; its position is the last frame grabbed.
 pub(super) trait Capture: Send {
     /// Properties that the container states.

@@ -1,6 +1,6 @@
 //! What a container states about its video, as the program `ffprobe` reports it.
 
-use super::capture::StatedProperties;
+use super::capture::{StatedProperties, turned_aspect};
 use super::process::{Process, as_file, output_of};
 use crate::media::MediaError;
 use std::collections::BTreeMap;
@@ -54,8 +54,7 @@ impl Stream {
         let stored = ImageSize::new(width?, height?);
         // `ffprobe` states the rotation counterclockwise.
         let rotation_deg = (-properties.rotation_deg()).rem_euclid(360) as u32;
-        let is_turned = rotation_deg % 180 == 90;
-        let size = if is_turned {
+        let size = if rotation_deg % 180 == 90 {
             ImageSize::new(stored.height, stored.width)
         } else {
             stored
@@ -74,13 +73,7 @@ impl Stream {
             .filter(|&count: &usize| count > 0);
         let frames = counted
             .or_else(|| duration_s.map(|duration_s| (duration_s * fps).round().max(0.0) as usize));
-        // The pixels lie on their side as the frames do.
         let stored_aspect = stream("sample_aspect_ratio").and_then(ratio).unwrap_or(1.0);
-        let pixel_aspect = if is_turned {
-            stored_aspect.recip()
-        } else {
-            stored_aspect
-        };
         let starts_s = [stream("start_time"), properties.file_property("start_time")]
             .map(|text| text.and_then(finite_number));
         Some(Self {
@@ -89,7 +82,7 @@ impl Stream {
                 rotation_deg,
                 fps,
                 frames: frames.unwrap_or(0),
-                pixel_aspect,
+                pixel_aspect: turned_aspect(stored_aspect, rotation_deg),
             },
             time_base_s: stream("time_base").and_then(ratio)?,
             start_pts: stream("start_pts")

@@ -10,7 +10,7 @@
 //!   beginning with remnants of earlier ones, whose times go back.
 //! - A file that it cannot read is no error; it is just not open.
 
-use super::capture::{Capture, StatedProperties};
+use super::capture::{Capture, StatedProperties, turned_aspect};
 use crate::media::picture::byte_count;
 use crate::media::{MediaError, Picture, one_line};
 use opencv::core::{Mat, Vec4b, Vector};
@@ -189,14 +189,8 @@ fn read_properties(inner: &VideoCapture) -> StatedProperties {
         rotation_deg,
         fps: positive(fps).unwrap_or(25.0),
         frames: positive(frames).map_or(0, |frames| frames as usize),
-        // The pixels lie on their side as the frames do.
         pixel_aspect: if across > 0.0 && down > 0.0 {
-            let stored_aspect = across / down;
-            if rotation_deg % 180 == 90 {
-                stored_aspect.recip()
-            } else {
-                stored_aspect
-            }
+            turned_aspect(across / down, rotation_deg)
         } else {
             1.0
         },

@@ -16,6 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::field::FieldElement;
 use touchline_core::geometry::{ImagePoint, Vec3, subsample};
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
+use touchline_vision::track::RelativeRotations;
 
 /// The crown stays within what building rules allow, m.
 const CROWN_RANGE_M: [f64; 2] = [-0.1, 0.5];
@@ -67,10 +68,9 @@ impl<'a> PaintSamples<'a> {
         }
     }
 
-    /// The directions of all samples in `panorama` at a focal scale; none for a sample beyond the
-    /// fold of the lens.
-    fn directions_at(&self, log_scale: f64) -> Option<Vec<Option<Vec3>>> {
-        let rotations = self.rotations.at(log_scale)?;
+    /// The directions of all samples in `panorama` from the cameras of the frames, as
+    /// [`RotationsByFocalScale::at`] gives them; none for a sample beyond the fold of the lens.
+    fn directions(&self, rotations: &RelativeRotations) -> Vec<Option<Vec3>> {
         let cameras: Vec<_> = (0..rotations.ptz.len())
             .map(|frame| rotations.camera(frame))
             .collect();
@@ -79,14 +79,7 @@ impl<'a> PaintSamples<'a> {
                 .world_direction_from_image(sample.image)
                 .ok()
         });
-        Some(directions.collect())
-    }
-
-    /// The focal length of the frame of each sample at a focal scale, px.
-    fn focal_px_at(&self, log_scale: f64) -> Option<Vec<f64>> {
-        let ptz = self.rotations.at(log_scale)?.ptz;
-        let samples = self.samples.iter();
-        Some(samples.map(|sample| ptz[sample.frame].focal_px).collect())
+        directions.collect()
     }
 }
 
@@ -109,15 +102,15 @@ pub(super) fn match_paint_to_lines(
         family.field_at(lengths_m, at.crown_m)
     });
     let map = PitchMap::without_grid(&field);
-    let directions = paint.directions_at(at.log_scale)?;
-    let stepped_directions = paint.directions_at(at.log_scale + LOG_SCALE_STEP)?;
-    let focal_px = paint.focal_px_at(at.log_scale)?;
+    let rotations = paint.rotations.at(at.log_scale)?;
+    let directions = paint.directions(&rotations);
+    let stepped_directions = paint.directions(&paint.rotations.at(at.log_scale + LOG_SCALE_STEP)?);
 
     let mut pairs = Vec::new();
     // A pair that is already farther from its line than three gates is probably paint of another
     // line, or no line at all.
     let directions = directions.into_iter().zip(stepped_directions);
-    for ((direction, stepped_direction), focal_px) in directions.zip(focal_px) {
+    for (sample, (direction, stepped_direction)) in paint.samples.iter().zip(directions) {
         let (Some(direction), Some(stepped_direction)) = (direction, stepped_direction) else {
             continue;
         };
@@ -136,6 +129,7 @@ pub(super) fn match_paint_to_lines(
             continue;
         }
         let paint_m = field.lines[line.line].width_m;
+        let focal_px = rotations.ptz[sample.frame].focal_px;
         let width_px = pair.paint_angle(&at.pose, paint_m).unwrap_or(0.0) * focal_px;
         let pair = PaintCorrespondence {
             sigma: gate / paint_certainty(width_px).sqrt(),
