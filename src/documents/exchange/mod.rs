@@ -1,82 +1,36 @@
 //! Foreign formats, one a file, import and export side by side.
 //!
+//! | room | subject |
+//! |---|---|
+//! | `camera_formats`, `click_formats` | the formats themselves, each a file or folder |
+//! | `cameras` | what formats of cameras have in common |
+//! | `syntax` | JSON, tables and arrays, below any format |
+//! | `imports`, `exports` | from foreign files to a document, and from a document to foreign files |
+//!
 //! [`export()`] writes a [`Format`] in memory and reads it back before anything reaches the disk: a
 //! landmark that moves by more than the format's own resolution is an error. What a format cannot
 //! represent is reported with the result, in px ([`Loss`]). [`import()`] makes a document from
 //! foreign files. The conventions of each format are described at the top of its file.
 
 mod about;
-mod attach;
 mod authors_mat;
-mod body_angles;
-mod broadtrack;
-mod camera_format;
-mod cdf;
-mod chan;
-mod choose;
-mod clicked_frame;
-mod coco;
-mod colmap;
-mod csv_table;
-mod cvat;
-mod dataset;
-mod deepsport;
+mod camera_formats;
+mod cameras;
+mod click_formats;
 mod error;
-mod export;
-mod export_cameras;
-mod export_clicks;
-mod exported;
-mod fifa;
+mod exports;
 mod files;
 mod format;
-mod frame_camera;
-mod freed;
-mod gaps;
-mod ground_fit;
-mod held;
-mod homography_files;
-mod import;
-mod import_cameras;
-mod import_clicks;
-mod imported;
-mod into_document;
-mod join;
-mod label_studio;
-mod labelme;
-mod labels;
-mod loss;
-mod node;
-mod npy;
-mod npz;
-mod opencv_yaml;
-mod opentrackio;
+mod imports;
 mod options;
-mod picture_points;
-mod picture_size;
-mod pictures;
-mod places;
 mod rate;
-mod recognize;
 mod registry;
-mod soccernet;
-mod soccernet_lines;
-mod stage;
-mod strict_json;
-mod table;
+mod syntax;
 #[cfg(test)]
 mod tests;
 mod timecode;
-mod unreadable;
-mod usda;
-mod values;
-mod work_packages;
-mod yolo_pose;
 
 pub use about::About;
-pub use attach::{
-    AttachedPair, Attachment, AttachmentCandidate, Counting, MatchedBy, NotAttached,
-    plan_attachment, size_of_only_video,
-};
 #[cfg(any(test, feature = "testing"))]
 #[doc(hidden)]
 pub use authors_mat::writer as mat_writer;
@@ -84,26 +38,30 @@ pub use authors_mat::{
     AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder,
     read_authors_sequence,
 };
-pub use dataset::{
+pub use camera_formats::homography_files::template_from_ground;
+pub use error::{ExchangeError, Problem};
+pub use exports::dataset::{
     DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame,
     Split, SplitBy, Splitting, folder_for_new, plan_dataset, write_dataset,
 };
-pub use error::{ExchangeError, Problem};
-pub use export::export;
-pub use exported::Exported;
+pub use exports::export::export;
+pub use exports::exported::Exported;
+pub use exports::loss::Loss;
+pub use exports::work_packages::{restore_version, write_packages};
 pub use files::Files;
 pub use format::Format;
-pub use homography_files::template_from_ground;
-pub use import::import;
-pub use imported::Imported;
-pub use join::{JoinedImport, JoinedPair, join};
-pub use loss::Loss;
+pub use imports::attach::{
+    AttachedPair, Attachment, AttachmentCandidate, Counting, MatchedBy, NotAttached,
+    plan_attachment, size_of_only_video,
+};
+pub use imports::import::import;
+pub use imports::imported::Imported;
+pub use imports::join::{JoinedImport, JoinedPair, join};
+pub use imports::picture_points::{PicturePoints, read_picture_points};
+pub use imports::recognize::recognize_format;
 pub use options::{
     ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource,
     Recording, Rotations, Zoom,
 };
-pub use picture_points::{PicturePoints, read_picture_points};
 pub use rate::Rate;
-pub use recognize::recognize_format;
 pub use timecode::Timecode;
-pub use work_packages::{restore_version, write_packages};

@@ -1,27 +1,27 @@
 //! The readers and writers of all formats of cameras and clicks.
 
-use super::broadtrack::BroadTrack;
-use super::camera_format::CameraFormat;
-use super::cdf::Cdf;
-use super::chan::Chan;
-use super::clicked_frame::ClickFormat;
-use super::coco::Coco;
-use super::colmap::Colmap;
-use super::csv_table::Csv;
-use super::cvat::Cvat;
-use super::deepsport::DeepSport;
-use super::fifa::Fifa;
 use super::format::Format;
-use super::freed::{FreeD, FreeDCsv};
-use super::homography_files::{HomographyLines, TsWorldCup, Wc14};
-use super::label_studio::LabelStudio;
-use super::labelme::Labelme;
-use super::opencv_yaml::OpenCvYaml;
-use super::opentrackio::OpenTrackIo;
-use super::soccernet::{PnlCalib, SoccerNet};
-use super::soccernet_lines::SoccerNetLines;
-use super::usda::Usda;
-use super::yolo_pose::YoloPose;
+use crate::exchange::camera_formats::broadtrack::BroadTrack;
+use crate::exchange::camera_formats::cdf::Cdf;
+use crate::exchange::camera_formats::chan::Chan;
+use crate::exchange::camera_formats::colmap::Colmap;
+use crate::exchange::camera_formats::csv_table::Csv;
+use crate::exchange::camera_formats::deepsport::DeepSport;
+use crate::exchange::camera_formats::fifa::Fifa;
+use crate::exchange::camera_formats::freed::{FreeD, FreeDCsv};
+use crate::exchange::camera_formats::homography_files::{HomographyLines, TsWorldCup, Wc14};
+use crate::exchange::camera_formats::opencv_yaml::OpenCvYaml;
+use crate::exchange::camera_formats::opentrackio::OpenTrackIo;
+use crate::exchange::camera_formats::soccernet::{PnlCalib, SoccerNet};
+use crate::exchange::camera_formats::usda::Usda;
+use crate::exchange::cameras::camera_format::CameraFormat;
+use crate::exchange::click_formats::clicked_frame::ClickFormat;
+use crate::exchange::click_formats::coco::Coco;
+use crate::exchange::click_formats::cvat::Cvat;
+use crate::exchange::click_formats::label_studio::LabelStudio;
+use crate::exchange::click_formats::labelme::Labelme;
+use crate::exchange::click_formats::soccernet_lines::SoccerNetLines;
+use crate::exchange::click_formats::yolo_pose::YoloPose;
 
 /// The reader and writer of a format of cameras; none for formats of clicks and for whole
 /// documents.

@@ -1,9 +1,10 @@
 //! Cameras through every format and back: the reference camera, awkward cameras, damaged files.
 
-use super::{ExportOptions, Exported, Files, Format, export};
+use super::{ExportOptions, Exported, Files, Format};
 use crate::document::{
     Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame,
 };
+use crate::exchange::export;
 use std::path::Path;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};

@@ -1,0 +1,116 @@
+//! The stream: packets, back to back.
+
+use super::sample::{PACKET, Sample};
+use super::{Reading, hold, notes, samples, second_camera_note};
+use crate::exchange::cameras::camera_format::{CameraFormat, EXACT_PX, WriteContext, has_ending};
+use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
+use crate::exchange::cameras::held::cannot_hold;
+use crate::exchange::cameras::into_document::Exactness;
+use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::files::{Files, refuse_archive};
+use crate::exchange::format::Format;
+use crate::exchange::options::ImportOptions;
+
+/// Packets.
+pub struct FreeD;
+
+/// The rounding of three angles and of a position seen from two metres, half a step each, rad.
+const STEP_RAD: f64 = 8e-6;
+
+impl CameraFormat for FreeD {
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        index: usize,
+        context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        hold(frame, index, context)
+    }
+
+    fn resolution_px(&self, held: &FrameCamera) -> f64 {
+        let Some((pinhole, size)) = held.pinhole().zip(held.size) else {
+            return EXACT_PX;
+        };
+        // A turn moves a point by f (1 + r²), with r on normalised coordinates; points are compared
+        // up to a picture's size beyond the border (`farthest_landmark`).
+        let diagonal_px = f64::from(size.width).hypot(f64::from(size.height));
+        let farthest = 1.5 * diagonal_px / pinhole.focal_px;
+        EXACT_PX + STEP_RAD * pinhole.focal_px * (1.0 + farthest.powi(2))
+    }
+
+    fn exactness(&self) -> Exactness {
+        // More than two roundings by half a step of 1/32768°, which is 2.7e-7 rad. A camera that
+        // stays in its place is rounded to the same step in every packet.
+        Exactness {
+            angle_rad: 6e-7,
+            place_m: 1e-6,
+        }
+    }
+
+    fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+        notes(frames, context)
+    }
+
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        let mut bytes = Vec::with_capacity(PACKET * held.len());
+        for (sample, frame) in samples(held, context, Format::FreeD)?.into_iter().zip(held) {
+            let packet = sample.packet();
+            bytes.extend(packet.map_err(|why| cannot_hold(frame, Format::FreeD, why))?);
+        }
+        Ok(Files::one("camera.freed", bytes))
+    }
+
+    fn file_description(&self) -> &'static str {
+        "packets (.freed)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        has_ending(name, "freed") || has_ending(name, "bin")
+    }
+
+    fn unread(&self, files: &Files) -> Vec<String> {
+        // The second byte is the camera's number.
+        let sorted = files.sorted_entries();
+        let packets = sorted
+            .iter()
+            .flat_map(|(_, bytes)| bytes.chunks_exact(PACKET));
+        second_camera_note(&packets.map(|packet| packet[1].to_string()).collect())
+            .into_iter()
+            .collect()
+    }
+
+    fn read(
+        &self,
+        files: &Files,
+        options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+        let reading = Reading::from_options(options, Format::FreeD)?;
+        // Packets have no number: frames are counted over all files, in their natural order.
+        let mut count = 0;
+        files.read_all(|_, bytes| {
+            if bytes.is_empty() {
+                return Err(Problem::Empty);
+            }
+            refuse_archive(bytes)?;
+            let mut frames = Vec::with_capacity(bytes.len() / PACKET);
+            // `chunks` also gives the rest of a file that was cut, which is no packet.
+            for (index, packet) in bytes.chunks(PACKET).enumerate() {
+                let pinhole = Sample::from_packet(packet)
+                    .and_then(|sample| sample.pinhole(reading))
+                    .map_err(|problem| problem.at_packet(index + 1))?;
+                let shown = FrameProjection::Camera(pinhole);
+                frames.push(FrameCamera::new(
+                    &format!("{count:06}"),
+                    Some(reading.size),
+                    shown,
+                ));
+                count += 1;
+            }
+            Ok(frames)
+        })
+    }
+}

@@ -1,0 +1,585 @@
+//! SoccerNet's cameras: a file `camera_{frame}.json` for each frame.
+//!
+//! Their world begins at the centre of the pitch, x right, y towards the main camera, z **down**;
+//! rotation and angles: camera→world = Rz(pan) · Rx(tilt) · Rz(roll), tilt 0 looks straight down
+//! (tilt = 90° + ours on a level base). Distortion is OpenCV's rational model. The files do not
+//! state the picture size: readers take twice the principal point. Source:
+//! SoccerNet/sn-calibration, `src/camera.py`.
+
+use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
+use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
+use crate::exchange::cameras::picture_size::SizeSource;
+use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
+use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::files::{Files, stem};
+use crate::exchange::options::ImportOptions;
+use crate::exchange::syntax::node::{Node, parse};
+use crate::exchange::syntax::values::{refuse_further_coefficients, refuse_oblong_pixels};
+use serde_json::{Value, json};
+use touchline_core::camera::Radial;
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3, pluralise};
+
+/// The prefix of the files' names, before the frame's name.
+const PREFIX: &str = "camera_";
+/// The pitch of all tools of the challenge, m.
+pub const PITCH_M: [f64; 2] = [105.0, 68.0];
+
+/// Cameras as the challenge's files have them.
+pub struct SoccerNet;
+
+/// What `PnLCalib`, No Bells Just Whistles and `TVCalib` write: the same keys with others beside
+/// them, which are ignored.
+pub struct PnlCalib;
+
+/// A point of our world in theirs; the same map leads back.
+#[must_use]
+pub fn flip_point(point: Vec3) -> Vec3 {
+    Vec3::new(point.x, -point.y, -point.z)
+}
+
+/// A rotation from the other world, theirs instead of ours or the reverse.
+#[must_use]
+pub fn flip_rotation(cam_from_world: &Mat3) -> Mat3 {
+    cam_from_world * Mat3::from_diagonal(&Vec3::new(1.0, -1.0, -1.0))
+}
+
+/// Pan, tilt and roll, degrees, of a rotation from *their* world. ZXZ angles are ambiguous: (pan +
+/// 180°, −tilt, roll + 180°) is the same rotation. The triple with the smaller roll is returned.
+#[must_use]
+pub fn angles_deg(cam_from_their_world: &Mat3) -> [f64; 3] {
+    // o = Rz(pan) Rx(tilt) Rz(roll): its third column is (sin pan sin tilt, −cos pan sin tilt, cos
+    // tilt), its third row (sin tilt sin roll, sin tilt cos roll, cos tilt).
+    let o = cam_from_their_world.transpose();
+    // |sin tilt|. The arctangents below keep the digits that an arccosine of o₂₂ loses near 0° and
+    // 180°.
+    let sine = o[(0, 2)].hypot(o[(1, 2)]);
+    if sine < 1e-15 {
+        // Straight down or up, only the sum of pan and roll (or their difference) is determined.
+        let (pan, tilt) = (
+            o[(1, 0)].atan2(o[(0, 0)]),
+            if o[(2, 2)] > 0.0 { 0.0 } else { 180.0 },
+        );
+        return [pan.to_degrees(), tilt, 0.0];
+    }
+    // The sign chooses between the two triples: the one with a roll of at most 90°.
+    let roll = o[(2, 0)].atan2(o[(2, 1)]);
+    let sign = if roll.abs() <= std::f64::consts::FRAC_PI_2 {
+        1.0
+    } else {
+        -1.0
+    };
+    let pan = (sign * o[(0, 2)]).atan2(-sign * o[(1, 2)]);
+    let tilt = sign * sine.atan2(o[(2, 2)]);
+    let roll = (sign * o[(2, 0)]).atan2(sign * o[(2, 1)]);
+    [pan, tilt, roll].map(f64::to_degrees)
+}
+
+/// The rotation from their world of pan, tilt and roll, degrees.
+#[must_use]
+pub fn rotation_of([pan, tilt, roll]: [f64; 3]) -> Mat3 {
+    let (s, c) = tilt.to_radians().sin_cos();
+    let about_x = Mat3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
+    (rotation_about_z(pan) * about_x * rotation_about_z(roll)).transpose()
+}
+
+/// The rotation about the z axis, anticlockwise as seen from its tip.
+fn rotation_about_z(angle_deg: f64) -> Mat3 {
+    let (s, c) = angle_deg.to_radians().sin_cos();
+    Mat3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+}
+
+/// A note for the user if the pitch is not that of the challenge.
+pub fn pitch_note(context: &WriteContext<'_>) -> Option<String> {
+    let field = context.field;
+    let [length, width] = PITCH_M;
+    let same = (field.length_m - length).abs() < 1e-9 && (field.width_m - width).abs() < 1e-9;
+    (!same).then(|| {
+        let [own_length, own_width] = [field.length_m, field.width_m].map(|metres| (metres * 100.0).round() / 100.0);
+        format!(
+            "the field is {own_length} × {own_width} m; the tools that read this assume {length} × {width} m and will score it badly"
+        )
+    })
+}
+
+fn to_json(pinhole: &Pinhole) -> Value {
+    let [pan, tilt, roll] = angles_deg(&flip_rotation(&pinhole.cam_from_world));
+    let position = flip_point(pinhole.position_m);
+    json!({
+        "pan_degrees": pan,
+        "tilt_degrees": tilt,
+        "roll_degrees": roll,
+        "position_meters": [position.x, position.y, position.z],
+        "x_focal_length": pinhole.focal_px,
+        "y_focal_length": pinhole.focal_px,
+        "principal_point": [pinhole.principal_point.x, pinhole.principal_point.y],
+        "radial_distortion": [pinhole.lens.k1, pinhole.lens.k2, 0.0, 0.0, 0.0, 0.0],
+        "tangential_distortion": [0.0, 0.0],
+        "thin_prism_distortion": [0.0, 0.0, 0.0, 0.0],
+    })
+}
+
+/// A camera of their ten keys.
+///
+/// # Errors
+/// A key is missing or invalid, or the lens has distortion that the document cannot represent.
+pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
+    let [fx, fy] = [
+        node.key("x_focal_length")?.positive()?,
+        node.key("y_focal_length")?.positive()?,
+    ];
+    refuse_oblong_pixels(fx, fy)?;
+    // k1 and k2, the third of the numerator and the three of the denominator of OpenCV's rational
+    // model. All ten keys are required, as their loader requires them.
+    let radial: [f64; 6] = node.key("radial_distortion")?.numbers()?;
+    let others: Vec<f64> = [
+        &radial[2..],
+        &node.key("tangential_distortion")?.numbers::<2>()?,
+        &node.key("thin_prism_distortion")?.numbers::<4>()?,
+    ]
+    .concat();
+    refuse_further_coefficients(&others)?;
+    let angles = node.numbers_at(["pan_degrees", "tilt_degrees", "roll_degrees"])?;
+    let [x, y]: [f64; 2] = node.key("principal_point")?.numbers()?;
+    Pinhole {
+        cam_from_world: flip_rotation(&rotation_of(angles)),
+        position_m: flip_point(Vec3::from(node.key("position_meters")?.numbers::<3>()?)),
+        focal_px: fx,
+        principal_point: ImagePoint::new(x, y),
+        lens: Radial {
+            k1: radial[0],
+            k2: radial[1],
+        },
+    }
+    .validate("the camera")
+}
+
+/// Usual aspect ratios (width / height) of pictures.
+const USUAL_PROPORTIONS: [f64; 5] = [16.0 / 9.0, 4.0 / 3.0, 3.0 / 2.0, 256.0 / 135.0, 5.0 / 4.0];
+/// Tolerance of the aspect ratio, because sides are whole numbers.
+const SAME_PROPORTIONS: f64 = 0.005;
+
+/// Maximum number of damaged samples at the beginning of a list.
+const MAX_DAMAGED: usize = 1000;
+
+/// The picture size if the principal point is its middle; none where that gives no whole numbers or
+/// an unusual aspect ratio, which means that the principal point is not in the middle.
+#[must_use]
+pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
+    // The usual readers take twice the principal point for the size. That is a guess, so that it
+    // must give a picture as cameras have them.
+    let (width, height) = (2.0 * point.x, 2.0 * point.y);
+    let is_usual = USUAL_PROPORTIONS
+        .iter()
+        .any(|usual| (width / height / usual - 1.0).abs() < SAME_PROPORTIONS);
+    (is_whole_side(width) && is_whole_side(height) && is_usual)
+        .then(|| ImageSize::new(width.round() as u32, height.round() as u32))
+}
+
+/// Whether a length is a whole number that a picture may have as its side.
+fn is_whole_side(length_px: f64) -> bool {
+    (length_px - length_px.round()).abs() < 1e-6 && ImageSize::is_side_px(length_px.round())
+}
+
+/// The frame of a camera file.
+fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
+    let value = parse(bytes)?;
+    let node = Node::root(&value);
+    // PnLCalib writes the camera under a key of its own.
+    let node = node
+        .find("cam_params")
+        .or_else(|| node.find("parameters"))
+        .unwrap_or(node);
+    Ok(frame_from_pinhole(name, from_json(&node)?))
+}
+
+/// The frame of a camera, whose principal point is the only thing that states its picture's size.
+fn frame_from_pinhole(name: &str, pinhole: Pinhole) -> FrameCamera {
+    let size = size_by_principal_point(pinhole.principal_point);
+    FrameCamera::new(name, size, FrameProjection::Camera(pinhole))
+}
+
+fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
+    read_frame_files(&files.sorted_entries(), frame_name, read_file)
+}
+
+/// The frames of a file with a list of samples; none where the file has no list. A damaged sample
+/// is a frame without a camera.
+///
+/// # Errors
+/// All of them are damaged; the problem is that of the first.
+fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
+    let value = parse(bytes)?;
+    let root = Node::root(&value);
+    let Ok(samples) = root.items() else {
+        return Ok(None);
+    };
+    let mut frames = FrameCollector::default();
+    for (index, sample) in samples.enumerate() {
+        let image = sample.find("image_id").or_else(|| sample.find("image_ids"));
+        let named = image.map(|image| image.image_name()).transpose();
+        let name = match &named {
+            Ok(Some(name)) => stem(name).to_owned(),
+            _ => format!("{index:06}"),
+        };
+        let pinhole = named.and_then(|_| from_json(&sample));
+        let frame = pinhole.map(|pinhole| frame_from_pinhole(&name, pinhole));
+        frames.add(&name, None, frame);
+        // Each damaged sample takes memory for its message. A list that begins with more of them
+        // is none of theirs, however long it is.
+        if frames.has_only_damaged(MAX_DAMAGED) {
+            break;
+        }
+    }
+    frames.finish().map(Some)
+}
+
+/// Whether the principal point of a frame is not in the middle of its picture.
+fn is_off_centre(frame: &FrameCamera) -> bool {
+    let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else {
+        return false;
+    };
+    pinhole.principal_point.distance_px(size.centre()) > 1e-9
+}
+
+/// The name of a file's frame: without folders, prefix and ending.
+fn frame_name(file: &str) -> &str {
+    let stem = stem(file);
+    stem.strip_prefix(PREFIX).unwrap_or(stem)
+}
+
+impl CameraFormat for SoccerNet {
+    fn size_source(&self) -> SizeSource {
+        SizeSource::PrincipalPoint
+    }
+
+    fn hold(
+        &self,
+        frame: &FrameCamera,
+        _index: usize,
+        _context: &WriteContext<'_>,
+    ) -> Result<FrameCamera, String> {
+        let name = stem_of(frame);
+        if name.contains('.') {
+            return Err(format!(
+                "the evaluator cuts names at the first dot, and {name:?} has one; rename the image"
+            ));
+        }
+        Ok(frame.with_name(name))
+    }
+
+    fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
+        let off: Vec<&FrameCamera> = frames.iter().filter(|frame| is_off_centre(frame)).collect();
+        // Such a camera projects correctly where the size is known, but a reader that rescales by
+        // twice the principal point gets another picture.
+        let centre = off
+            .first()
+            .and_then(|frame| Some((frame.pinhole()?.principal_point, frame.size?)));
+        let centre = centre.map(|(point, size)| {
+            format!(
+                "the principal point of {} is off-centre ({}, {} in a picture of {} × {}); readers that rescale take \
+                 twice the principal point for the size",
+                pluralise(off.len(), "frame"),
+                point.x,
+                point.y,
+                size.width,
+                size.height
+            )
+        });
+        // The challenge evaluates at 960 × 540; a camera of another size scores as wrong.
+        let wide = frames
+            .iter()
+            .find_map(|frame| frame.size)
+            .filter(|size| size.width != 960);
+        let wide = wide.map(|size| {
+            format!(
+                "cameras are in px of {} × {}; a submission needs --size 960x540",
+                size.width, size.height
+            )
+        });
+        pitch_note(context)
+            .into_iter()
+            .chain(centre)
+            .chain(wide)
+            .collect()
+    }
+
+    fn write(
+        &self,
+        held: &[FrameCamera],
+        _context: &WriteContext<'_>,
+    ) -> Result<Files, ExchangeError> {
+        let mut files = Files::default();
+        for frame in held {
+            if let Some(pinhole) = frame.pinhole() {
+                files.add(
+                    format!("{PREFIX}{}.json", frame.name),
+                    format!("{:#}\n", to_json(pinhole)),
+                );
+            }
+        }
+        Ok(files)
+    }
+
+    fn file_description(&self) -> &'static str {
+        "camera files (camera_….json)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        stem(name).starts_with(PREFIX) && has_ending(name, "json")
+    }
+
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+        read_files(files)
+    }
+}
+
+impl CameraFormat for PnlCalib {
+    fn size_source(&self) -> SizeSource {
+        SizeSource::PrincipalPoint
+    }
+
+    fn file_description(&self) -> &'static str {
+        "camera files (.json)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        has_ending(name, "json")
+    }
+
+    /// A file for each frame, or one with a sample for each frame as `TVCalib` writes it.
+    fn read(
+        &self,
+        files: &Files,
+        _options: &ImportOptions,
+    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+        let sorted = files.sorted_entries();
+        // Of several files each is a frame. A single one may be a list of samples; where it has
+        // none, it is read again as a frame.
+        let [(name, bytes)] = sorted[..] else {
+            return read_files(files);
+        };
+        match read_samples(bytes).map_err(|problem| problem.within(name))? {
+            Some(frames) => Ok(frames),
+            None => read_files(files),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::export;
+    use crate::exchange::tests::{awkward, export_as, reference, text_of};
+    use crate::exchange::{ExportOptions, Format};
+    use std::path::Path;
+
+    #[test]
+    fn the_reference_camera_has_the_published_numbers() {
+        let files = export_as(&reference(), Format::SoccerNet).files;
+        let camera: Value = serde_json::from_str(&text_of(&files, "camera_0001.json")).unwrap();
+        let number = |key: &str| camera[key].as_f64().unwrap();
+        assert!((number("pan_degrees") - 12.5).abs() < 1e-12);
+        assert!((number("tilt_degrees") - 78.8).abs() < 1e-12);
+        assert!(number("roll_degrees").abs() < 1e-12);
+        assert_eq!(camera["position_meters"], json!([0.0, 60.0, -18.0]));
+        assert_eq!(
+            camera["radial_distortion"],
+            json!([0.0661, 0.0, 0.0, 0.0, 0.0, 0.0])
+        );
+        assert_eq!(camera.as_object().unwrap().len(), 10, "all ten keys");
+    }
+
+    #[test]
+    fn awkward_cameras_come_back_and_what_others_assume_is_said() {
+        let exported = export_as(&awkward(), Format::SoccerNet);
+        assert!(
+            exported.worst_px < 1e-6 && exported.loss.is_none(),
+            "{exported:?}"
+        );
+        let notes = exported.notes.join("\n");
+        assert!(
+            notes.contains("the field is 100 × 64 m; the tools that read this assume 105 × 68 m"),
+            "{notes}"
+        );
+        assert!(
+            notes.contains("(951.5, 548.25 in a picture of 1920 × 1080)"),
+            "{notes}"
+        );
+    }
+
+    #[test]
+    fn a_submission_is_in_pixels_of_its_size() {
+        let options = ExportOptions {
+            size: Some(ImageSize::new(960, 540)),
+            ..ExportOptions::default()
+        };
+        let small = export(reference().at(Path::new("/")), Format::SoccerNet, &options).unwrap();
+        let camera: Value =
+            serde_json::from_str(&text_of(&small.files, "camera_0001.json")).unwrap();
+        assert_eq!(camera["x_focal_length"], 1205.0);
+        assert_eq!(camera["principal_point"], json!([480.0, 270.0]));
+        assert!(
+            small.notes.iter().all(|note| !note.contains("960x540")),
+            "{:?}",
+            small.notes
+        );
+    }
+
+    #[test]
+    fn a_mirrored_or_turned_world_would_be_seen() {
+        // A camera on the main side at height 18 m is at positive y and negative z in their world.
+        assert_eq!(
+            flip_point(Vec3::new(1.0, -60.0, 18.0)),
+            Vec3::new(1.0, 60.0, -18.0)
+        );
+        let straight_down = rotation_of([30.0, 0.0, 0.0]);
+        assert!((rotation_of(angles_deg(&straight_down)) - straight_down).amax() < 1e-12);
+        let steep = rotation_of([-170.0, 65.0, 1.5]);
+        assert!((rotation_of(angles_deg(&steep)) - steep).amax() < 1e-14);
+    }
+
+    #[test]
+    fn names_with_dots_are_refused() {
+        let mut document = reference();
+        document.frames[0].image = Some("a.b.jpg".to_owned());
+        let error = export(
+            document.at(Path::new("/")),
+            Format::SoccerNet,
+            &ExportOptions::default(),
+        )
+        .unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "a.b.jpg cannot be written as soccernet: the evaluator cuts names at the first dot, and \"a.b\" has one; rename \
+             the image"
+        );
+    }
+
+    #[test]
+    fn a_damaged_sample_of_a_list_costs_its_own_camera_alone() {
+        let files = export_as(&reference(), Format::SoccerNet).files;
+        let mut good: Value = serde_json::from_str(&text_of(&files, "camera_0001.json")).unwrap();
+        good["image_id"] = "a.jpg".into();
+        let bad = json!({ "image_id": "b.jpg" });
+        let [frames, all_damaged] = [json!([null, good, bad]), json!([bad])].map(|list| {
+            let files = Files::one("all.json", list.to_string().into_bytes());
+            PnlCalib.read(&files, &ImportOptions::default())
+        });
+        let frames = frames.unwrap();
+        let read_of: Vec<(&str, bool)> = frames
+            .iter()
+            .map(|frame| (frame.name.as_str(), frame.unreadable.is_none()))
+            .collect();
+        assert_eq!(read_of, [("000000", false), ("a", true), ("b", false)]);
+        let problem = &frames[2].unreadable.as_ref().unwrap().problem;
+        assert!(problem.ends_with("x_focal_length is missing"), "{problem}");
+        let error = all_damaged.unwrap_err().to_string();
+        assert!(error.starts_with("all.json: "), "{error}");
+    }
+
+    #[test]
+    fn damaged_files_are_named_in_one_line() {
+        let good = to_json(&Pinhole {
+            cam_from_world: flip_rotation(&rotation_of([12.5, 78.8, 0.0])),
+            position_m: Vec3::new(0.0, -60.0, 18.0),
+            focal_px: 2410.0,
+            principal_point: ImagePoint::new(960.0, 540.0),
+            lens: Radial::default(),
+        });
+        let with = |key: &str, value: Value| {
+            let mut camera = good.clone();
+            camera[key] = value;
+            camera.to_string()
+        };
+        let without = |key: &str| {
+            let mut camera = good.clone();
+            camera.as_object_mut().unwrap().remove(key);
+            camera.to_string()
+        };
+        let deep = "[".repeat(100_000);
+        let cases: &[(String, &str)] = &[
+            (String::new(), "the file is empty"),
+            (
+                "{".to_owned(),
+                "not valid JSON: it ends within an object at line 1 column 1",
+            ),
+            (
+                deep,
+                "not valid JSON: lists and objects are nested more than 127 deep at line 1 column 128",
+            ),
+            (
+                "[]".to_owned(),
+                "the file: an object is expected, found a list of 0",
+            ),
+            ("7".to_owned(), "the file: an object is expected, found 7"),
+            (without("pan_degrees"), "pan_degrees is missing"),
+            (without("radial_distortion"), "radial_distortion is missing"),
+            (
+                with("tilt_degrees", json!("steep")),
+                "tilt_degrees: a number is expected, found the text \"steep\"",
+            ),
+            (
+                with("tilt_degrees", Value::Null),
+                "tilt_degrees: a number is expected, found null",
+            ),
+            (
+                with("position_meters", json!([0.0, 60.0])),
+                "position_meters (numbers): 3 are expected, found 2",
+            ),
+            (
+                with("position_meters", json!([0.0, "a", 1.0])),
+                "position_meters[1]: a number is expected, found the text \"a\"",
+            ),
+            (
+                with("position_meters", json!([0.0, 6e6, 1.0])),
+                "a coordinate of the position of the camera is 6000000, which must be within 100 km, in metres",
+            ),
+            (
+                with("x_focal_length", json!(0)),
+                "x_focal_length is 0, which must be above 0",
+            ),
+            (
+                with("y_focal_length", json!(2400.0)),
+                "focal lengths 2410 and 2400 px cannot be read: pixels must be square",
+            ),
+            (
+                with("radial_distortion", json!([0.1, 0.0, 0.3, 0.0, 0.0, 0.0])),
+                "a distortion coefficient of 0.3 beyond k1 and k2 cannot be read: the document's lens has k1 and k2 only",
+            ),
+            (
+                with("radial_distortion", json!([0.0, 0.2, 0.0, 0.0, 0.0, 0.0])),
+                "k2 = 0.2 without k1 of the camera cannot be read: in the lens model k2 depends on k1",
+            ),
+            (
+                with("pan_degrees", json!(0)).replace(":0,", ":NaN,"),
+                "not valid JSON: a value is expected (JSON has no NaN and no Infinity) at line 1 column ",
+            ),
+            (
+                with("pan_degrees", json!(0)).replace(":0,", ":1e999,"),
+                "not valid JSON: number out of range at line 1 column ",
+            ),
+        ];
+        for (text, wanted) in cases {
+            let files = Files::one("camera_a.json", text.clone().into_bytes());
+            let error = SoccerNet
+                .read(&files, &ImportOptions::default())
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.starts_with(&format!("camera_a.json: {wanted}")),
+                "{error}\nwanted {wanted}"
+            );
+            assert!(!error.contains('\n'));
+        }
+        let files = Files::one("camera_a.json", vec![b'{', 0xff]);
+        let error = SoccerNet
+            .read(&files, &ImportOptions::default())
+            .unwrap_err()
+            .to_string();
+        assert_eq!(error, "camera_a.json: not UTF-8 text (byte 1)");
+    }
+}

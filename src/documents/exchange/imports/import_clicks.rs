@@ -1,0 +1,202 @@
+//! Import of points from other annotation tools as a document.
+
+use super::imported::Imported;
+use super::pictures::image_of;
+use crate::document::{Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between};
+use crate::exchange::cameras::into_document::Cameras;
+use crate::exchange::click_formats::clicked_frame::{ClickFormat, LabelledFrame, Mark};
+use crate::exchange::click_formats::labels::{Meaning, describe_counts};
+use crate::exchange::error::ExchangeError;
+use crate::exchange::files::{Files, no_files};
+use crate::exchange::format::Format;
+use crate::exchange::options::ImportOptions;
+use crate::exchange::syntax::values::shorten;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use touchline_core::field::FieldModel;
+
+/// The maximum distance of a point from the picture's corner, px. A picture has at most 65,535 px a
+/// side, so that a point this far away is a mistake, not one dragged beyond the border.
+const FARTHEST_PX: f64 = 1e6;
+
+/// Reads a file or folder of clicks as a document of drafts.
+///
+/// # Errors
+/// It cannot be read, is damaged, or has labels that mean nothing.
+pub fn import_clicks(
+    path: &Path,
+    folder: &Path,
+    format: Format,
+    click_format: &dyn ClickFormat,
+    options: &ImportOptions,
+) -> Result<Imported, ExchangeError> {
+    let files = Files::read_some(
+        path,
+        &|name| click_format.is_wanted(name),
+        click_format.file_description(),
+    )?;
+    let images = options.images_folder(folder);
+    let options = &options.with_any_size();
+    // Some formats state points as shares of the picture, so that its size is needed to read them.
+    let frames = click_format.read(&files, options, &|name| image_of(name, &images).1)?;
+    if frames.is_empty() {
+        return Err(no_files(path, "frame"));
+    }
+    refuse_damaged(&frames, path)?;
+    let field = options.field.model(folder)?;
+    // A user's map is for labels that people chose; classes of a challenge mean the same for
+    // everybody.
+    let labels = if click_format.has_own_classes() {
+        click_format.own_labels()
+    } else {
+        options.map.clone()
+    };
+    let mut document = Document::new(options.field.clone());
+    // Labels without a meaning are counted over all frames before the import fails, so that one
+    // error names everything that the map must have.
+    let mut unmapped: BTreeMap<String, usize> = BTreeMap::new();
+    let mut twice: BTreeMap<String, usize> = BTreeMap::new();
+    for frame in frames {
+        let mut clicks = Vec::new();
+        for mark in &frame.marks {
+            match labels.meaning(&mark.label, &field)? {
+                Meaning::Target(target) => clicks.push(Click::new(target, mark.image)),
+                Meaning::Nothing => {}
+                Meaning::Unknown => *unmapped.entry(mark.label.clone()).or_default() += 1,
+            }
+        }
+        drop_repeated_landmarks(&mut clicks, &mut twice);
+        document.frames.push(
+            frame_of(
+                &frame,
+                clicks,
+                &mut Cameras(&mut document.cameras),
+                folder,
+                &images,
+            )
+            .into(),
+        );
+    }
+    let mut notes = Vec::new();
+    if !unmapped.is_empty() {
+        if !options.skip_unmapped {
+            return Err(ExchangeError::Unmapped {
+                labels: describe_counts(&unmapped),
+            });
+        }
+        notes.push(format!(
+            "left out without meaning: {}",
+            describe_counts(&unmapped)
+        ));
+    }
+    notes.extend(note_repeated(&twice));
+    notes.extend(field_size_note(&field));
+    Ok(Imported {
+        document,
+        folder: folder.to_path_buf(),
+        format,
+        notes,
+    })
+}
+
+/// Rejects a duplicate picture, and points far outside their picture.
+fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeError> {
+    let mut names = BTreeSet::new();
+    for frame in frames {
+        // The same picture in two files would be two frames of the document, each with half of the
+        // clicks.
+        let name = frame.image.as_ref().unwrap_or(&frame.name);
+        if !names.insert(name) {
+            return Err(ExchangeError::SameFrame {
+                path: path.to_path_buf(),
+                name: shorten(name),
+            });
+        }
+        if frame.marks.len() > MAX_CLICKS {
+            let (path, frame, found) = (path.to_path_buf(), shorten(name), frame.marks.len());
+            return Err(ExchangeError::TooManyPoints {
+                path,
+                frame,
+                found,
+                limit: MAX_CLICKS,
+            });
+        }
+        if let Some(mark) = frame.marks.iter().find(|mark| !is_near(mark)) {
+            return Err(ExchangeError::NoPlace {
+                path: path.to_path_buf(),
+                frame: shorten(name),
+                label: shorten(&mark.label),
+                x: mark.image.x,
+                y: mark.image.y,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Whether a point is near enough to its picture to be meant.
+fn is_near(mark: &Mark) -> bool {
+    mark.image.x.abs() <= FARTHEST_PX && mark.image.y.abs() <= FARTHEST_PX
+}
+
+/// The note about a field of unconfirmed size.
+fn field_size_note(field: &FieldModel) -> Option<String> {
+    (field.template == "soccer").then(|| {
+        format!(
+            "the field is taken as {} × {} m; --set length_m=… and width_m=… give another",
+            field.length_m, field.width_m
+        )
+    })
+}
+
+/// The note about landmarks that occur twice; none where there is none.
+pub fn note_repeated(twice: &BTreeMap<String, usize>) -> Option<String> {
+    (!twice.is_empty()).then(|| {
+        format!(
+            "left out because a frame has them more than once: {}",
+            describe_counts(twice)
+        )
+    })
+}
+
+/// Drops all clicks on a landmark that occurs twice, because it is unknown which one is right. A
+/// line keeps all its clicks.
+pub fn drop_repeated_landmarks(clicks: &mut Vec<Click>, twice: &mut BTreeMap<String, usize>) {
+    // Points of a line may lie anywhere on it, so that several are no contradiction.
+    let mut counts: BTreeMap<Target, usize> = BTreeMap::new();
+    for target in clicks.iter().filter_map(|click| click.target.clone()) {
+        *counts.entry(target).or_default() += 1;
+    }
+    counts.retain(|target, count| target.line().is_none() && *count > 1);
+    for (target, count) in &counts {
+        *twice.entry(target.as_str().to_owned()).or_default() += count;
+    }
+    clicks.retain(|click| {
+        click
+            .target
+            .as_ref()
+            .is_none_or(|target| !counts.contains_key(target))
+    });
+}
+
+fn frame_of(
+    frame: &LabelledFrame,
+    clicks: Vec<Click>,
+    cameras: &mut Cameras<'_>,
+    folder: &Path,
+    images: &Path,
+) -> Frame {
+    let named = frame.image.as_deref().unwrap_or(&frame.name);
+    let path = path_between(folder, &images.join(image_of(named, images).0));
+    // A frame that was opened in the other tool and got no point counts as not begun.
+    let status = if clicks.is_empty() {
+        FrameStatus::New
+    } else {
+        FrameStatus::Draft
+    };
+    Frame {
+        status,
+        clicks,
+        ..Frame::from_image(&path, cameras.find_or_add(frame.size), frame.size)
+    }
+}
