@@ -9,16 +9,14 @@
 //!
 //! # Files
 //!
-//! | files | subject |
+//! | room or files | subject |
 //! |---|---|
-//! | `document`, `camera`, `frame`, `click`, `solution`, `shot`, … | the types of the schema |
-//! | `read`, `write`, `adapters`, `extra`, `schema` | from text to these types and back |
-//! | `frames`, `shared`, `frame_changes` | containers that undo states share, and how two differ |
-//! | `edit`, `old_edit`, `history`, `step_edit`, `beneath` | edits as the journal has them, undo |
-//! | `suggestion` | the program's suggestions, apart from people's work |
-//! | `merge`, `common_base`, `graft`, `package` | several versions of a document joined |
-//! | `frame_solution`, `uses`, `unanswered`, `gold`, `click_noise` | what a frame's records mean |
-//! | `create`, `dataset`, `paths`, `fields`, `at`, `video_shots` | whole documents |
+//! | `model` | the types of the schema, and the containers that undo states share |
+//! | `text` | from text to these types and back |
+//! | `edits` | edits as the journal has them, undo |
+//! | `versions` | several versions of a document joined |
+//! | `frame_state` | what a frame's records mean, and the program's suggestion for it |
+//! | `create`, `dataset`, `paths`, `fields`, `at`, `shots`, `video_shots` | whole documents |
 //!
 //! Methods of one type lie in several of these files, each by its subject: files beside each other
 //! may not use each other in a circle (`tests/suite/architecture.rs`).
@@ -101,100 +99,64 @@
 //! written back, and the program fills nothing in. It does not know the annotator's name, and the
 //! same input gives the same bytes.
 
-pub(crate) mod adapters;
 mod at;
-mod beneath;
-mod camera;
-mod camera_id;
-mod click;
-mod click_noise;
-mod common_base;
 mod create;
 mod dataset;
-#[allow(
-    clippy::module_inception,
-    reason = "the room is named after what it is about"
-)]
-mod document;
-mod edit;
-mod edit_mismatch;
-mod extra;
-mod field_spec;
+mod edits;
 mod fields;
 #[cfg(any(test, feature = "testing"))]
 #[doc(hidden)]
 #[allow(clippy::must_use_candidate, reason = "for tests alone")]
 pub mod fixtures;
-mod frame;
-mod frame_changes;
-mod frame_id;
-mod frame_lens;
-mod frame_solution;
-mod frames;
-mod gold;
-mod graft;
-mod history;
-mod imported_camera;
-mod mask;
-mod merge;
-mod old_edit;
-mod package;
+mod frame_state;
+mod model;
 mod paths;
-mod read;
-mod repeat;
-mod schema;
-mod shared;
-mod shot;
 mod shots;
-mod solution;
-mod step_edit;
-mod suggestion;
-mod unanswered;
-mod uses;
+mod text;
+mod versions;
 mod video_shots;
-mod write;
 
 pub use at::DocumentAt;
-pub use camera::{Camera, CameraSigma, Distortion, K1Curve, Stage};
-pub use camera_id::CameraId;
-pub use click::{Click, Target};
-pub use click_noise::{ClickNoise, StoredClickNoise};
-pub(crate) use common_base::common_base;
 pub use create::document_from_frames;
-pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
-pub use edit::{Change, Edit, EditKind};
-pub use edit_mismatch::EditMismatch;
-pub use extra::Extra;
-pub use field_spec::{CROWN, FieldSize, FieldSpec};
+pub use edits::edit::{Change, Edit, EditKind};
+pub use edits::edit_mismatch::EditMismatch;
+pub use edits::frame_changes::FrameChanges;
+pub use edits::history::{History, Step, Undoable};
+pub use edits::old_edit::OldChange;
+pub use edits::step_edit::{StepEdit, StepMisfit};
 pub use fields::Fields;
-pub use frame::{Clip, Edited, Frame, FrameStatus, MAX_CLICKS, RejectReason, VideoFrame};
-pub use frame_changes::FrameChanges;
-pub use frame_id::FrameId;
-pub use frame_lens::FrameLens;
-pub use frame_solution::ENOUGH_EQUATIONS;
-pub use frames::Frames;
-pub use gold::RepeatedClicks;
-pub(crate) use graft::graft;
-pub use history::{History, Step, Undoable};
-pub use imported_camera::ImportedCamera;
-pub use mask::{MaskSource, RangedMask};
-pub use merge::{Merged, merge};
-pub use old_edit::OldChange;
-pub use package::{restore_package, split_into_packages};
-pub use paths::{path_between, resolve_path};
-pub use read::{ReadError, document_from_bytes};
-pub use repeat::Repeat;
-pub use schema::SCHEMA;
-#[cfg(feature = "schema")]
-pub use schema::schema_of_types;
-pub use shared::Shared;
-pub use shot::{Shot, ShotEnd, ShotKind};
-pub use shots::shots;
-pub use solution::{
+pub use frame_state::frame_solution::ENOUGH_EQUATIONS;
+pub use frame_state::gold::RepeatedClicks;
+pub use frame_state::suggestion::Suggestion;
+pub use model::camera::{Camera, CameraSigma, Distortion, K1Curve, Stage};
+pub use model::camera_id::CameraId;
+pub use model::click::{Click, Target};
+pub use model::click_noise::{ClickNoise, StoredClickNoise};
+pub use model::document::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
+pub use model::extra::Extra;
+pub use model::field_spec::{CROWN, FieldSize, FieldSpec};
+pub use model::frame::{Clip, Edited, Frame, FrameStatus, MAX_CLICKS, RejectReason, VideoFrame};
+pub use model::frame_id::FrameId;
+pub use model::frame_lens::FrameLens;
+pub use model::frames::Frames;
+pub use model::imported_camera::ImportedCamera;
+pub use model::mask::{MaskSource, RangedMask};
+pub use model::repeat::Repeat;
+pub use model::shared::Shared;
+pub use model::shot::{Shot, ShotEnd, ShotKind};
+pub use model::solution::{
     BetterName, FramePtz, PaintEvidence, Proposed, Solution, SolutionSource, SolutionWarning,
     TimingsMs,
 };
-pub use step_edit::{StepEdit, StepMisfit};
-pub use suggestion::Suggestion;
+pub use paths::{path_between, resolve_path};
+pub use shots::shots;
+pub use text::read::{ReadError, document_from_bytes};
+pub use text::schema::SCHEMA;
+#[cfg(feature = "schema")]
+pub use text::schema::schema_of_types;
+pub use text::write::{WriteError, document_to_string};
+pub(crate) use versions::common_base::common_base;
+pub(crate) use versions::graft::graft;
+pub use versions::merge::{Merged, merge};
+pub use versions::package::{restore_package, split_into_packages};
 pub use video_shots::{ShotsError, VideoShots};
-pub use write::{WriteError, document_to_string};

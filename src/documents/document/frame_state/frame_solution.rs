@@ -1,0 +1,182 @@
+//! A frame's camera: the result of a solve, and the program's proposal before the user corrected
+//! it.
+
+use crate::document::{
+    BetterName, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target,
+};
+use touchline_core::camera::{Ptz, Radial};
+use touchline_core::solve::{FrameSolution, judge};
+
+/// This many equations determine a camera without a proposal.
+pub const ENOUGH_EQUATIONS: usize = 3;
+
+impl Frame {
+    /// Whether its camera comes from its own clicks.
+    #[must_use]
+    pub fn is_solved_by_clicks(&self) -> bool {
+        self.solution
+            .as_ref()
+            .is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
+    }
+
+    /// Whether its named clicks determine a camera by themselves: a landmark gives two equations, a
+    /// line one.
+    fn clicks_decide(&self) -> bool {
+        let used = self.clicks.iter().filter(|click| !click.check);
+        let targets = used.filter_map(|click| click.target.as_ref());
+        targets.map(Target::equations).sum::<usize>() >= ENOUGH_EQUATIONS
+    }
+
+    /// Sets pan, tilt, focal length and the lens at this focal length. Other keys of the document
+    /// are kept.
+    pub fn point(&mut self, ptz: Ptz, lens: Radial) {
+        let before = self.ptz.take();
+        // A lens without distortion is stated only where the frame stated one before, so that
+        // frames of a pinhole camera get no `k1` key.
+        let recorded = before.as_ref().is_some_and(|before| before.k1.is_some());
+        let lens = (!lens.is_none() || recorded).then_some(lens);
+        let extra = before.map(|before| before.extra).unwrap_or_default();
+        self.ptz = Some(FramePtz {
+            extra,
+            ..FramePtz::new(ptz, lens)
+        });
+    }
+
+    /// Stores the result of a solve.
+    pub fn record(&mut self, solved: &FrameSolution) {
+        // The proposal is read before `point` replaces the camera that it may be. Clicks that
+        // determine a camera by themselves are its source; fewer only correct the proposal, which
+        // stays the source.
+        let proposed = self.proposed_camera();
+        let by_clicks = self.clicks_decide();
+        let source = proposed
+            .as_ref()
+            .filter(|_| !by_clicks)
+            .map_or(SolutionSource::Clicks, |proposed| proposed.source);
+        self.point(solved.ptz, solved.lens);
+        // Only what other programs stated outlives a solve. Confidence, timings, samples and line
+        // check belong to the camera that is replaced.
+        let Solution {
+            extra, imported, ..
+        } = self.solution.take().unwrap_or_default();
+        self.solution = Some(Solution {
+            covariance: Some(solved.covariance),
+            own_covariance: Some(solved.uncertainty.own_covariance_deg()),
+            rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
+            worst_corner_sigma_px: solved.corner_sigma_px_if_known(),
+            source: Some(source),
+            confidence: None,
+            timings_ms: None,
+            samples: None,
+            line_check: None,
+            proposed,
+            imported,
+            verdict: Some(judge(solved, self.image_size).verdict),
+            disputed: solved.disputed_clicks(),
+            warnings: solved
+                .warnings
+                .iter()
+                .enumerate()
+                .map(|(place, warning)| SolutionWarning {
+                    clicks: warning.clicks.clone(),
+                    // `FrameSolution::with_identity` puts the warning about names first.
+                    renames: solved
+                        .identity
+                        .iter()
+                        .filter(|_| place == 0)
+                        .flat_map(BetterName::all)
+                        .collect(),
+                    ..SolutionWarning::new(warning.code.as_str(), warning.message.clone())
+                })
+                .collect(),
+            extra,
+        });
+    }
+
+    /// The program's proposal, whether or not it was corrected since.
+    #[must_use]
+    pub fn proposed_camera(&self) -> Option<Proposed> {
+        let solution = self.solution.as_ref()?;
+        if let Some(kept) = &solution.proposed {
+            return Some(kept.clone());
+        }
+        // Without a record of it, the proposal is the frame's own camera: a suggestion, or one
+        // aligned to paint with too few clicks to replace it.
+        let is_proposed = self.is_suggestion() || self.is_snapped() && !self.clicks_decide();
+        self.camera_as_proposed(solution.source.filter(|_| is_proposed)?)
+    }
+
+    /// Its camera, in the form in which a proposal is kept.
+    fn camera_as_proposed(&self, source: SolutionSource) -> Option<Proposed> {
+        let solution = self.solution.as_ref();
+        Some(Proposed {
+            ptz: self.ptz.clone()?,
+            source,
+            confidence: solution.and_then(|solution| solution.confidence),
+            covariance: solution.and_then(|solution| solution.covariance),
+            own_covariance: solution.and_then(|solution| solution.own_covariance),
+            worst_corner_sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
+        })
+    }
+
+    /// Keeps its camera as the prior of the clicks that follow, as a proposal of the program is
+    /// kept (see [`Proposed`]): a camera that was imported, say, or set by hand. A frame that is
+    /// solved by its clicks, or keeps a proposal already, does not change.
+    pub fn keep_camera_as_prior(&mut self) {
+        if self.is_solved_by_clicks() || self.proposed_camera().is_some() {
+            return;
+        }
+        // A camera that states no source came with the document.
+        let source = self.source().unwrap_or(SolutionSource::Import);
+        if let Some(kept) = self.camera_as_proposed(source) {
+            self.solution.get_or_insert_default().proposed = Some(kept);
+        }
+    }
+
+    /// Restores the program's proposal if the user corrected it and no click is left. True if it
+    /// was restored.
+    pub fn restore_proposed(&mut self) -> bool {
+        let Some(solution) = &mut self.solution else {
+            return false;
+        };
+        let Some(proposed) = solution.proposed.take() else {
+            return false;
+        };
+        self.ptz = Some(proposed.ptz);
+        // As in `record`, what other programs stated stays.
+        *solution = Solution {
+            covariance: proposed.covariance,
+            own_covariance: proposed.own_covariance,
+            worst_corner_sigma_px: proposed.worst_corner_sigma_px,
+            source: Some(proposed.source),
+            confidence: proposed.confidence,
+            imported: solution.imported.take(),
+            extra: std::mem::take(&mut solution.extra),
+            ..Solution::default()
+        };
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn a_restored_camera_keeps_the_keys_of_other_programs() {
+        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+        let mut solution = Solution {
+            source: Some(SolutionSource::Import),
+            ..Solution::default()
+        };
+        solution.extra.insert("theirs".to_owned(), 7.into());
+        frame.solution = Some(solution);
+        let imported = frame.clone();
+        frame.keep_camera_as_prior();
+        assert_ne!(frame, imported);
+        assert!(frame.restore_proposed());
+        assert_eq!(frame, imported);
+    }
+}

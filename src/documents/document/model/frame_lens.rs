@@ -1,0 +1,145 @@
+//! What is known of the lens of one frame before the frame is solved.
+
+use super::adapters;
+use crate::document::Extra;
+use serde::{Deserialize, Serialize};
+use touchline_core::camera::{CameraBase, FocalCurve, Radial};
+use touchline_core::geometry::ImagePoint;
+
+/// The lens of a frame as the camera or its provider reports it, frame by frame: focal length,
+/// principal point, distortion.
+///
+/// It is an input. Where a frame has it, it takes the place of the camera's lens and principal
+/// point, and tracking seeks pan and tilt alone. `ptz` keeps what a solve found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FrameLens {
+    /// The focal length, px of the frame.
+    #[cfg_attr(feature = "schema", schemars(with = "f64", extend("exclusiveMinimum" = 0)))]
+    #[serde(with = "adapters::positive")]
+    pub focal_px: f64,
+    /// The principal point, px.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
+    #[serde(rename = "principal_point_px", with = "adapters::image_point")]
+    pub principal_point: ImagePoint,
+    /// k₁ at this focal length; absent: no distortion.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub k1: Option<f64>,
+    /// k₂ at this focal length; absent: zero. It counts only beside a k₁ that is not zero.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub k2: Option<f64>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl FrameLens {
+    /// A lens by its numbers.
+    #[must_use]
+    pub fn new(focal_px: f64, principal_point: ImagePoint, radial: Radial) -> Self {
+        Self {
+            focal_px,
+            principal_point,
+            k1: nonzero(radial.k1),
+            k2: nonzero(radial.k2),
+            extra: Extra::new(),
+        }
+    }
+
+    /// Its distortion.
+    #[must_use]
+    pub fn radial(&self) -> Radial {
+        Radial {
+            k1: self.k1.unwrap_or(0.0),
+            k2: self.k2.unwrap_or(0.0),
+        }
+    }
+
+    /// A base with this lens and principal point in place of its own, as exact as they are stated.
+    #[must_use]
+    pub fn base_with(&self, base: &CameraBase) -> CameraBase {
+        // The curve is constant, because the lens is stated for this frame's focal length alone. A
+        // k₂ without k₁ has no curve and is left out, as the key's description says.
+        let distortion = FocalCurve::through(self.radial()).unwrap_or(FocalCurve::NONE);
+        CameraBase {
+            principal_point: self.principal_point,
+            distortion,
+            ..*base
+        }
+    }
+}
+
+/// A number; none if it is zero.
+fn nonzero(value: f64) -> Option<f64> {
+    Some(value).filter(|value| *value != 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Camera, Frame};
+    use touchline_core::camera::{BaseAngles, Ptz};
+    use touchline_core::geometry::{ImageSize, Vec3};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    #[test]
+    fn the_lens_of_a_frame_takes_the_place_of_the_cameras() {
+        let position_m = Vec3::new(0.0, -70.0, 15.0);
+        let mut camera = Camera::new("main".into(), SIZE);
+        let rotation = BaseAngles::default().base_from_world();
+        let own = CameraBase::new(position_m, rotation, SIZE.centre());
+        camera.set_base(&CameraBase {
+            distortion: FocalCurve::constant(-0.1),
+            ..own
+        });
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        let radial = Radial { k1: 0.2, k2: 1.5 };
+        frame.lens = Some(FrameLens::new(
+            3000.0,
+            ImagePoint::new(970.0, 520.0),
+            radial,
+        ));
+
+        let base = camera.base_for(&frame).unwrap();
+        assert_eq!(
+            (base.position_m, base.principal_point),
+            (position_m, ImagePoint::new(970.0, 520.0))
+        );
+        for focal_px in [2000.0, 3000.0] {
+            let Radial { k1, k2 } = base.distortion.radial_at(focal_px);
+            assert!(k1 == 0.2 && (k2 - 1.5).abs() < 1e-15, "{k1} {k2}");
+        }
+        frame.point(
+            Ptz::from_degrees(0.0, -10.0, 3000.0),
+            base.distortion.radial_at(3000.0),
+        );
+        assert_eq!(camera.ptz_camera(&frame).unwrap().base(), &base);
+    }
+
+    #[test]
+    fn it_is_written_by_its_keys_and_read_again() {
+        let lens = FrameLens::new(
+            3000.5,
+            ImagePoint::new(970.25, 520.0),
+            Radial { k1: 0.125, k2: 0.0 },
+        );
+        let text = serde_json::to_string(&lens).unwrap();
+        assert_eq!(
+            text,
+            r#"{"focal_px":3000.5,"principal_point_px":[970.25,520.0],"k1":0.125}"#
+        );
+        assert_eq!(serde_json::from_str::<FrameLens>(&text).unwrap(), lens);
+        assert!(serde_json::from_str::<FrameLens>(&text.replace("3000.5", "0")).is_err());
+    }
+}

@@ -1,0 +1,113 @@
+//! The camera that another program gave a frame, kept beside the one that replaced it.
+
+use super::adapters;
+use crate::document::Extra;
+use serde::{Deserialize, Serialize};
+use touchline_core::camera::{BaseAngles, PtzCamera};
+use touchline_core::geometry::Vec3;
+
+/// The camera that another program gave a frame, as it came.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ImportedCamera {
+    /// Its position in `world`, m.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
+    #[serde(with = "adapters::vector")]
+    pub position_m: Vec3,
+    /// The direction in which it looks, seen from above: 0 is world +y, positive towards +x.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(with = "adapters::number")]
+    pub heading_deg: f64,
+    /// The elevation of its optical axis above the horizon.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(with = "adapters::number")]
+    pub pitch_deg: f64,
+    /// Its rotation about the optical axis, positive when it leans to its right.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(with = "adapters::number")]
+    pub roll_deg: f64,
+    /// Its focal length, px.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(with = "adapters::number")]
+    pub focal_px: f64,
+    /// How far the ground moved in the picture when it was mended, px: the median over the picture.
+    /// None if the two pictures have no ground in common.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    #[serde(
+        default,
+        with = "adapters::optional_number",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub moved_px: Option<f64>,
+    /// What made it impossible, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl ImportedCamera {
+    /// The record of a camera; none if one of its numbers is not finite, which a document cannot
+    /// hold.
+    #[must_use]
+    pub fn new(camera: &PtzCamera, moved_px: Option<f64>, fault: Option<String>) -> Option<Self> {
+        // Heading, pitch and roll are those of the frame, pan and tilt included, because the other
+        // program's base need not be the document's.
+        let looks = BaseAngles::from_base_from_world(&camera.cam_from_world());
+        let imported = Self {
+            position_m: camera.base().position_m,
+            heading_deg: looks.heading.degrees(),
+            pitch_deg: looks.pitch.degrees(),
+            roll_deg: looks.roll.degrees(),
+            focal_px: camera.ptz().focal_px,
+            moved_px: moved_px.filter(|moved| moved.is_finite()),
+            fault,
+            extra: Extra::new(),
+        };
+        let Self {
+            heading_deg,
+            pitch_deg,
+            roll_deg,
+            focal_px,
+            ..
+        } = imported;
+        let mut numbers =
+            imported
+                .position_m
+                .iter()
+                .copied()
+                .chain([heading_deg, pitch_deg, roll_deg, focal_px]);
+        numbers.all(f64::is_finite).then_some(imported)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::{CameraBase, Ptz};
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn a_camera_is_recorded_as_it_looks_and_survives_the_file() {
+        let rotation = BaseAngles::default().base_from_world();
+        let centre = ImageSize::new(1920, 1080).centre();
+        let base = CameraBase::new(Vec3::new(1.0, -62.0, 17.0), rotation, centre);
+        let camera = PtzCamera::new(base, Ptz::from_degrees(12.0, -9.0, 2400.0));
+        let recorded = ImportedCamera::new(&camera, Some(41.2), None).unwrap();
+        let looks = [recorded.heading_deg, recorded.pitch_deg, recorded.roll_deg];
+        for (is, expected) in looks.into_iter().zip([12.0, -9.0, 0.0]) {
+            assert!((is - expected).abs() < 1e-9, "{looks:?}");
+        }
+        let text = serde_json::to_string(&recorded).unwrap();
+        assert_eq!(
+            serde_json::from_str::<ImportedCamera>(&text).unwrap(),
+            recorded
+        );
+        let nowhere = CameraBase {
+            position_m: Vec3::new(f64::NAN, 0.0, 0.0),
+            ..base
+        };
+        assert!(ImportedCamera::new(&PtzCamera::new(nowhere, camera.ptz()), None, None).is_none());
+    }
+}
