@@ -244,7 +244,7 @@ fn actions_effects_and_the_session_stay_short() {
         |name: &str| name.ends_with("Action") || ["Navigation", "DiskReport"].contains(&name);
     let mut long = long_enums(&sources, is_action, MOST_ACTIONS);
     long.extend(long_enums(&sources, |name| name == "Effect", MOST_EFFECTS));
-    let session = read(Path::new("src/application/app/session.rs")).unwrap();
+    let session = read(Path::new("src/application/app/window_state/session.rs")).unwrap();
     let fields = fields_of(&session, "Session").len();
     if fields == 0 || fields > MOST_FIELDS {
         long.push(format!("Session has {fields} fields, not {MOST_FIELDS}"));

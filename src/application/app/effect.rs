@@ -2,7 +2,7 @@
 
 use super::TrainerOrder;
 use super::operation::Job;
-use super::session::Question;
+use crate::app::window_state::session::Question;
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Edit, History};
 

@@ -12,82 +12,71 @@
 //! | [`Operations`] | slow work on the open document, and its results |
 //! | [`Current`], [`Review`], [`Quality`] | derived from the others after every action |
 //!
+//! These parts are in rooms: `window_state` (the session), `project` (the open document),
+//! `panel_values` (what is derived for the panels), `commands` (what the user can start). `update`
+//! has what each action does, `operation` and `operations` the slow work.
+//!
 //! [`scene`](crate::scene) derives from the state what is drawn, as plain data.
 
 mod action;
-pub mod camera_text;
-mod choices;
-mod command;
-mod current;
-mod derived;
-mod dialog;
+mod commands;
 mod effect;
-mod filter;
-pub mod guidance;
-pub mod guide;
-mod keymap;
-mod mode;
-pub mod naming;
-mod notice;
-mod open_project;
-mod opened;
 pub mod operation;
 pub mod operations;
-pub mod place;
+mod panel_values;
 pub mod playing;
-mod prepared;
-mod progress;
-mod proposed_base;
+mod project;
 pub mod quality;
-pub mod reclick;
 pub mod review;
-mod review_choice;
-mod review_queue;
-pub mod selection;
-mod sentence;
-pub mod session;
 pub mod settings;
-mod shown;
-pub mod synonyms;
-pub mod tour;
 mod trainer;
 mod update;
-mod versioned;
-pub mod video;
-pub mod where_to_label;
+mod window_state;
 
 pub use action::{
     Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction,
 };
-pub use choices::{CameraChoice, MaskList, MaskScope};
-pub use command::{Command, CommandKind, MenuGroup};
-pub use current::Current;
-pub use derived::{FrameCounts, GoldWork};
+pub use commands::command::{Command, CommandKind, MenuGroup};
+pub use commands::guide;
+pub use commands::keymap::{Chord, ChordError, Keymap};
+pub use commands::synonyms;
+pub use commands::tour;
 pub use effect::{Effect, Opening, OrphanOrder, Snapshot};
-pub use keymap::{Chord, ChordError, Keymap};
-pub use open_project::OpenProject;
-pub use opened::{Opened, OutsideChoice};
 pub use operations::{LineCheckSummary, transfer};
-pub use proposed_base::WithProposal;
-pub use review_queue::{QueuedFrame, ReviewQueue};
-pub use sentence::sentence;
-pub use session::{Question, Tool};
+pub use panel_values::camera_text;
+pub use panel_values::current::Current;
+pub use panel_values::guidance;
+pub use panel_values::proposed_base::WithProposal;
+pub use panel_values::sentence::sentence;
+pub use panel_values::shown::DisplayedValues;
+pub use panel_values::where_to_label;
+pub use project::derived::{FrameCounts, GoldWork};
+pub use project::open_project::OpenProject;
+pub use project::opened::{Opened, OutsideChoice};
+pub use project::review_queue::{QueuedFrame, ReviewQueue};
+pub use project::selection;
+pub use project::versioned::Versioned;
 pub use settings::{Settings, WindowPlace};
-pub use shown::DisplayedValues;
 pub use trainer::{
     AnswerKey, ForestFacts, TrainerActivity, TrainerOrder, TrainerReport, TrainerState,
     TrainerStatus, UnusableReference, describe_estimate, describe_left,
 };
 pub use update::MAX_SCALE;
-pub use versioned::Versioned;
+pub use window_state::choices::{CameraChoice, MaskList, MaskScope};
+pub use window_state::naming;
+pub use window_state::place;
+pub use window_state::reclick;
+pub use window_state::session;
+pub use window_state::session::{Question, Tool};
+pub use window_state::video;
 
-use current::FreshSolve;
 use operation::{Report, RequestId};
 use operations::{ForeignLabels, Operations};
+use panel_values::current::FreshSolve;
 use quality::Quality;
 use review::{AcceptQuestion, AcceptSheet, Review};
-use session::Session;
 use std::sync::Arc;
+use window_state::session::Session;
 
 /// The state of the application; see the module.
 #[derive(Debug, Default)]

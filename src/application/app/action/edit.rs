@@ -1,6 +1,6 @@
 //! Actions that change the document.
 
-use crate::app::choices::{CameraChoice, MaskList, MaskScope, Scope};
+use crate::app::window_state::choices::{CameraChoice, MaskList, MaskScope, Scope};
 use touchline_core::camera::Ptz;
 use touchline_core::field::Symmetry;
 use touchline_core::geometry::PixelBox;

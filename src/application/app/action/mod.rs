@@ -18,11 +18,11 @@ pub use settings::SettingsAction;
 pub use view::ViewAction;
 
 use super::Command;
-use super::opened::{Opened, OutsideChoice};
 use super::operation::Report;
-use super::session::Question;
 use super::trainer::TrainerReport;
 use super::transfer::TransferAction;
+use crate::app::project::opened::{Opened, OutsideChoice};
+use crate::app::window_state::session::Question;
 use std::path::PathBuf;
 
 /// An action. It is sent by the window, by `jobs` or by a test.

@@ -1,7 +1,7 @@
 //! Actions that show another frame or click, or change the list of names.
 
-use crate::app::choices::{Scope, Selecting};
-use crate::app::place::FrameOrTime;
+use crate::app::window_state::choices::{Scope, Selecting};
+use crate::app::window_state::place::FrameOrTime;
 
 /// An action that shows another frame or click, or changes the list of names.
 #[derive(Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! Actions that change how something is displayed.
 
-use crate::app::choices::TimeAxis;
-use crate::app::guide::GuidePage;
+use crate::app::commands::guide::GuidePage;
 use crate::app::review::ReviewOrder;
-use crate::app::session::{Filter, Level, PictureView, Question};
-use crate::app::video::PlaySpeed;
+use crate::app::window_state::choices::TimeAxis;
+use crate::app::window_state::session::{Filter, Level, PictureView, Question};
+use crate::app::window_state::video::PlaySpeed;
 use touchline_documents::document::CameraId;
 
 /// An action that changes how something is displayed. It neither changes a label nor shows more of

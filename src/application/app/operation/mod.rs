@@ -28,7 +28,7 @@ pub use slot::{RequestId, Running, Slot};
 use slot::Cancellation;
 
 use super::App;
-use super::session::Level;
+use crate::app::window_state::session::Level;
 use std::fmt::{Debug, Display};
 use thiserror::Error;
 

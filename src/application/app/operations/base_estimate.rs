@@ -4,7 +4,7 @@
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::session::{Level, SidePanel};
+use crate::app::window_state::session::{Level, SidePanel};
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -8,7 +8,7 @@
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::clip_tracking::describe_progress;
 use crate::app::operations::{UnderWay, has_same_base_and_field};
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};

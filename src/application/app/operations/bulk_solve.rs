@@ -6,7 +6,7 @@
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve, BulkSolved};

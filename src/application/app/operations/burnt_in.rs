@@ -3,7 +3,7 @@
 
 use crate::app::Tool;
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::session::{Level, SidePanel};
+use crate::app::window_state::session::{Level, SidePanel};
 use crate::app::{App, Command};
 use std::convert::Infallible;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 //! few frames the check runs at once, otherwise in the background.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::convert::Infallible;
 use std::sync::Arc;

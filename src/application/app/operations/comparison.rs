@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;

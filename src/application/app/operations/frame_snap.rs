@@ -3,7 +3,7 @@
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::{UnderWay, has_same_base_and_field};
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -388,8 +388,8 @@ fn describe_snap(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::guidance::next_step;
     use crate::app::operation::Report;
+    use crate::app::panel_values::guidance::next_step;
     use crate::app::{Action, EditAction, Navigation};
     use touchline_core::camera::{BaseAngles, Ptz};
     use touchline_core::geometry::{ImageSize, Mat3, Vec3};

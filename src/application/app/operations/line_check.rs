@@ -3,7 +3,7 @@
 //! into the document.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use crate::app::{App, OpenProject};
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;

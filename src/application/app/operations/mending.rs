@@ -3,7 +3,7 @@
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 //! labels of another program are imported into what is open.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};

@@ -6,7 +6,7 @@
 
 use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::session::{Level, Mode};
+use crate::app::window_state::session::{Level, Mode};
 use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;

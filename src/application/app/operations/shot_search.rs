@@ -2,7 +2,7 @@
 //! imported.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use crate::app::{App, Command, Effect};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Pan, tilt and focal length of a camera's frames over time.
 
-use crate::app::choices::TimeAxis;
 use crate::app::review::disagrees;
+use crate::app::window_state::choices::TimeAxis;
 use touchline_calibration::calibrate::Disagreements;
 use touchline_core::geometry::AngleRange;
 use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameStatus};

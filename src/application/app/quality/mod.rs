@@ -8,13 +8,14 @@ mod errors;
 mod targets;
 mod thinned;
 
-pub use super::choices::{QualityChoice, TimeAxis};
+pub use crate::app::window_state::choices::{QualityChoice, TimeAxis};
 pub use course::{Course, CoursePoint, PointKind, Quantity, within_whole, zoom_span};
 pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
 pub use targets::{TargetErrors, by_target};
 pub use thinned::{Column, SpanMarks, thin_points};
 
-use super::{OpenProject, session::Session};
+use super::OpenProject;
+use crate::app::window_state::session::Session;
 use touchline_calibration::proposals::Coverage;
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{CameraId, Document, FrameStatus};

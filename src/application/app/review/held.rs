@@ -44,7 +44,7 @@ impl Review {
 mod tests {
     use crate::app::OpenProject;
     use crate::app::review::{Review, ReviewChoice};
-    use crate::app::session::{Session, SidePanel};
+    use crate::app::window_state::session::{Session, SidePanel};
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{

@@ -23,7 +23,7 @@ pub use row::{DISAGREES_PX, ReviewRow, disagrees, percent};
 pub(super) use stretch::{AcceptQuestion, Stretch};
 pub use stretch::{LeftFrames, LeftReason};
 
-pub use super::review_choice::{ReviewChoice, ReviewOrder};
+pub use crate::app::window_state::review_choice::{ReviewChoice, ReviewOrder};
 
 use self::refresh::Source;
 use self::row::doubtful_first;
@@ -218,7 +218,7 @@ impl Review {
 mod tests {
     use super::*;
     use crate::app::OpenProject;
-    use crate::app::session::{Session, SidePanel};
+    use crate::app::window_state::session::{Session, SidePanel};
     use touchline_calibration::calibrate::Disagreement;
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;

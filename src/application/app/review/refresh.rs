@@ -6,7 +6,7 @@
 use super::row::in_order;
 use super::{Review, ReviewOrder, ReviewRow};
 use crate::app::OpenProject;
-use crate::app::session::{Dialog, Session, SidePanel};
+use crate::app::window_state::session::{Dialog, Session, SidePanel};
 use std::collections::BTreeSet;
 use touchline_calibration::calibrate::Disagreements;
 use touchline_documents::document::{

@@ -6,7 +6,7 @@
 
 use super::{BulkAccept, ReviewChoice, ReviewRow, doubtful_first};
 use crate::app::OpenProject;
-use crate::app::selection::runs_of;
+use crate::app::project::selection::runs_of;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_calibration::calibrate::Disagreement;
 use touchline_core::geometry::thousands;

@@ -2,8 +2,8 @@
 
 use super::App;
 use crate::app::action::{DiskReport, EditAction, Navigation, PointerAction, ViewAction};
-use crate::app::session::{Dialog, Level};
 use crate::app::trainer::TrainerReport;
+use crate::app::window_state::session::{Dialog, Level};
 
 impl App {
     /// Handles the pointer over the picture.

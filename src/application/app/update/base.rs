@@ -3,7 +3,7 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use touchline_calibration::calibrate::{BaseReadiness, LANDMARKS_ALONE, next_for_base};
 use touchline_core::field::{FieldModel, Symmetry};
 use touchline_core::solve::Name;

@@ -3,8 +3,8 @@
 use super::App;
 use crate::app::CameraChoice;
 use crate::app::Command;
-use crate::app::selection::{Scope, Selecting, after_click};
-use crate::app::session::{Dialog, Level};
+use crate::app::project::selection::{Scope, Selecting, after_click};
+use crate::app::window_state::session::{Dialog, Level};
 use touchline_calibration::calibrate::{AssignedFrames, BulkChange, NewCamera};
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::Step;

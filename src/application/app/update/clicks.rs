@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::Tool;
-use crate::app::session::{Level, Mode};
+use crate::app::window_state::session::{Level, Mode};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_documents::document::{Click, FrameStatus};
 

@@ -4,8 +4,8 @@ use super::App;
 use super::gold::IN_ROUND;
 use crate::app::Tool;
 use crate::app::effect::Effect;
-use crate::app::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
 use crate::app::transfer::TransferTab;
+use crate::app::window_state::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
 use crate::app::{Chord, Command, CommandKind};
 use touchline_documents::document::{EditKind, Frame, FrameStatus};
 

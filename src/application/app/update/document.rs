@@ -7,8 +7,10 @@ use crate::app::OpenProject;
 use crate::app::Opened;
 use crate::app::effect::{Effect, Opening};
 use crate::app::operations::Operations;
-use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session, is_to_do};
 use crate::app::settings::RecentDocument;
+use crate::app::window_state::session::{
+    Dialog, Leaving, Level, Question, Saving, Session, is_to_do,
+};
 use std::path::{Path, PathBuf};
 use touchline_core::field::{FieldError, Template};
 

@@ -3,7 +3,7 @@
 
 use super::App;
 use crate::app::review::percent;
-use crate::app::session::{Level, PendingAcceptance};
+use crate::app::window_state::session::{Level, PendingAcceptance};
 use crate::app::{Command, sentence};
 use touchline_core::solve::{IdentityKind, Verdict, Warning, WarningCode};
 

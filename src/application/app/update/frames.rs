@@ -2,8 +2,8 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::progress::just_accepted;
-use crate::app::session::{Level, Mode};
+use crate::app::panel_values::progress::just_accepted;
+use crate::app::window_state::session::{Level, Mode};
 use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 
 impl App {

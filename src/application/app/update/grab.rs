@@ -6,7 +6,7 @@
 
 use super::App;
 use crate::app::Tool;
-use crate::app::session::Mode;
+use crate::app::window_state::session::Mode;
 use crate::scene::drawn_element::{DrawnElement, ElementReach, element_at};
 use crate::scene::overlay::OverlayScene;
 use touchline_core::geometry::ImagePoint;

@@ -2,8 +2,8 @@
 //! opened.
 
 use super::App;
-use crate::app::guide::GuidePage;
-use crate::app::session::{Dialog, SidePanel};
+use crate::app::commands::guide::GuidePage;
+use crate::app::window_state::session::{Dialog, SidePanel};
 
 impl App {
     /// The page of the user guide about what is shown. None in dialogs that explain themselves or

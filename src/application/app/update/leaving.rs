@@ -4,7 +4,7 @@
 
 use super::App;
 use crate::app::effect::Effect;
-use crate::app::session::{Dialog, Leaving, Mode, Saving};
+use crate::app::window_state::session::{Dialog, Leaving, Mode, Saving};
 
 impl App {
     /// Handles the user's wish to close the window: aborts a drag or an edit of numbers, and closes

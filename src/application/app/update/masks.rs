@@ -2,8 +2,8 @@
 //! camera with a range of frames.
 
 use super::App;
-use crate::app::choices::{MaskList, MaskScope, Scope};
-use crate::app::session::Level;
+use crate::app::window_state::choices::{MaskList, MaskScope, Scope};
+use crate::app::window_state::session::Level;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Document, Extra, MaskSource, RangedMask, Step};
 

@@ -47,12 +47,12 @@ mod verdict;
 pub use commands::MAX_SCALE;
 
 use super::action::Action;
-use super::current::{Current, FreshSolve};
 use super::effect::{Effect, OrphanOrder};
 use super::quality::Quality;
 use super::review::Review;
-use super::session::{Dialog, Level, Mode, Saving};
 use super::{App, Command, OpenProject, Settings};
+use crate::app::panel_values::current::{Current, FreshSolve};
+use crate::app::window_state::session::{Dialog, Level, Mode, Saving};
 use touchline_calibration::calibrate::{CalibrationError, record_outcome};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Edit, EditKind, Frame, FrameStatus, Frames, Step};

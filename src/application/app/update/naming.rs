@@ -2,9 +2,9 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::current::rank_names;
-use crate::app::naming::unambiguous;
-use crate::app::session::{Level, Mode, Naming, PictureView};
+use crate::app::panel_values::current::rank_names;
+use crate::app::window_state::naming::unambiguous;
+use crate::app::window_state::session::{Level, Mode, Naming, PictureView};
 use touchline_documents::document::{BetterName, Frame, Target};
 
 impl App {

@@ -5,7 +5,7 @@
 //! step only the shown frame is solved again; all other frames follow at its end.
 
 use super::{App, solve_in_place};
-use crate::app::session::{Level, Mode};
+use crate::app::window_state::session::{Level, Mode};
 use crate::app::{Command, OpenProject};
 use touchline_calibration::calibrate::{BulkChange, is_by_clicks};
 use touchline_core::camera::{Ptz, PtzCamera};

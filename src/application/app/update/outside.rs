@@ -5,7 +5,7 @@ use super::App;
 use crate::app::Command;
 use crate::app::OutsideChoice;
 use crate::app::effect::{Effect, Opening, OrphanOrder};
-use crate::app::session::{Dialog, Level, Mode};
+use crate::app::window_state::session::{Dialog, Level, Mode};
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
 use touchline_core::field::FieldError;

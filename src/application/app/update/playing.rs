@@ -1,8 +1,8 @@
 //! Plays the video, and goes to a frame number or a time.
 
 use super::App;
-use crate::app::place::FrameOrTime;
-use crate::app::session::{Level, Mode};
+use crate::app::window_state::place::FrameOrTime;
+use crate::app::window_state::session::{Level, Mode};
 
 impl App {
     /// Plays or pauses the video. At the end, starts from the first frame.

@@ -2,8 +2,8 @@
 
 use super::App;
 use crate::app::effect::Effect;
-use crate::app::session::Level;
 use crate::app::trainer::TrainerOrder;
+use crate::app::window_state::session::Level;
 use touchline_calibration::calibrate::follow_all_bases;
 use touchline_calibration::proposals::{BatchId, Discarded, NoProposal, Proposal, TrackedProposal};
 use touchline_core::geometry::pluralise;

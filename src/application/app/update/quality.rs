@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::Command;
 use crate::app::quality::{TimeAxis, zoom_span};
-use crate::app::session::Mode;
+use crate::app::window_state::session::Mode;
 use touchline_documents::document::CameraId;
 
 /// Factor of one press of a zoom key.

@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::effect::Effect;
 use crate::app::operation::{Job, Operation, Report};
-use crate::app::session::Mode;
+use crate::app::window_state::session::Mode;
 
 impl App {
     /// Starts an operation. Cancels a running one of the same kind.
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn a_failure_of_the_program_is_louder_than_one_of_the_work() {
-        use crate::app::session::Level;
+        use crate::app::window_state::session::Level;
         let panicked: Failure<&str> = Failure::Broken(Breakdown::Panicked("a bug".to_owned()));
         assert_eq!(
             panicked.to_string(),

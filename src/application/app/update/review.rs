@@ -3,9 +3,9 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::progress::ALL_DONE;
+use crate::app::panel_values::progress::ALL_DONE;
 use crate::app::review::{AcceptQuestion, AcceptSheet, BulkAccept};
-use crate::app::session::{Dialog, Level, SidePanel, is_to_do};
+use crate::app::window_state::session::{Dialog, Level, SidePanel, is_to_do};
 use std::sync::Arc;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Frame, FrameStatus, Step};

@@ -1,7 +1,7 @@
 //! Changes of the shots of a video, one cut at a time.
 
 use super::App;
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use touchline_documents::document::{Document, ShotsError, VideoShots};
 
 impl App {

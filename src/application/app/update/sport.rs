@@ -1,7 +1,7 @@
 //! The sport: selects the field of the shown frame's camera.
 
 use super::App;
-use crate::app::session::Level;
+use crate::app::window_state::session::Level;
 use touchline_core::field::builtin;
 use touchline_documents::document::{CROWN, FieldSpec};
 

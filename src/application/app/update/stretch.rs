@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::review::{AcceptQuestion, LeftReason, Stretch};
-use crate::app::session::{Dialog, Level};
+use crate::app::window_state::session::{Dialog, Level};
 use touchline_calibration::calibrate::impossible_camera;
 use touchline_core::field::FieldModel;
 use touchline_core::markings::LineVerdict;

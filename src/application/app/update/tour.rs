@@ -3,8 +3,8 @@
 use super::App;
 use crate::app::Command;
 use crate::app::action::{Action, EditAction, PointerAction};
-use crate::app::session::{Level, Mode, is_to_do};
-use crate::app::tour::{Tour, TourView};
+use crate::app::commands::tour::{Tour, TourView};
+use crate::app::window_state::session::{Level, Mode, is_to_do};
 
 impl App {
     /// Starts the tour on the open demo match; otherwise opens the user's copy of it first.

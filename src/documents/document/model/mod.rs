@@ -3,7 +3,7 @@
 //! share are here, and so are the adapters between JSON and the types. Reading and writing a whole
 //! text is in `text`; what the records of a frame mean together is in `frame_state`.
 
-pub(crate) mod adapters;
+pub mod adapters;
 pub mod camera;
 pub mod camera_id;
 pub mod click;

@@ -16,7 +16,7 @@ pub use write::TransferWrite;
 use crate::app::effect::Effect;
 use crate::app::operation::{Running, Slot};
 use crate::app::operations::ForeignLabels;
-use crate::app::session::{Dialog, Level};
+use crate::app::window_state::session::{Dialog, Level};
 use crate::app::{App, Command, Question};
 use look::PreviewSubject;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 
 use super::words::describe_error;
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::session::{Dialog, Level};
+use crate::app::window_state::session::{Dialog, Level};
 use crate::app::{App, sentence};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! The keys of commands; the user can change each.
 
-use super::Command;
+use crate::app::Command;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;

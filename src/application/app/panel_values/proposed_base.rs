@@ -1,6 +1,6 @@
 //! The shown frame with an estimated base that waits for the user's decision.
 
-use super::OpenProject;
+use crate::app::OpenProject;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{CalibrationError, EstimatedBase, calibrate};
 use touchline_core::camera::{CameraBase, PtzCamera};
@@ -27,7 +27,7 @@ pub struct WithProposal {
 impl WithProposal {
     /// Computes the values of a frame with an estimated base. None if the base is another camera's,
     /// or the field is invalid.
-    pub(super) fn derive(
+    pub(in crate::app) fn derive(
         open: &mut OpenProject,
         index: usize,
         found: &EstimatedBase,

@@ -1,8 +1,8 @@
 //! Several frames at once: the selection on the filmstrip, and the frames that a change applies to.
 
-use super::OpenProject;
-pub use super::choices::{Scope, Selecting};
-use super::session::Session;
+use crate::app::OpenProject;
+pub use crate::app::window_state::choices::{Scope, Selecting};
+use crate::app::window_state::session::Session;
 use std::collections::BTreeSet;
 
 impl Scope {
@@ -49,7 +49,7 @@ pub fn runs_of(places: impl Iterator<Item = usize>) -> Vec<[usize; 2]> {
 
 /// The selection after a click on a frame of the filmstrip. A single frame is no selection; it is
 /// just the shown frame.
-pub(super) fn after_click(
+pub(in crate::app) fn after_click(
     open: &OpenProject,
     session: &Session,
     frame: usize,
@@ -85,7 +85,7 @@ pub(super) fn after_click(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::session::Filter;
+    use crate::app::window_state::session::Filter;
     use crate::app::{Action, App, Navigation, ViewAction};
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Camera, Clip, Document, FieldSpec, Frame, FrameStatus};

@@ -1,21 +1,21 @@
 //! A document prepared on the thread that reads it, so that opening it does not block the window.
 
-use super::Versioned;
 use super::derived::Derived;
+use crate::app::Versioned;
 use touchline_calibration::proposals::Project;
 use touchline_documents::document::Document;
 
 /// A document split into the users' work and the suggestions, with the values that the window
 /// derives from all frames. With 100,000 frames their computation takes a good part of a second.
 #[derive(Clone, Debug)]
-pub(super) struct Prepared {
-    pub(super) project: Project,
+pub(in crate::app) struct Prepared {
+    pub(in crate::app) project: Project,
     /// Values derived from version 0 of the document.
-    pub(super) derived: Derived,
+    pub(in crate::app) derived: Derived,
 }
 
 impl Prepared {
-    pub(super) fn from_document(document: Document) -> Self {
+    pub(in crate::app) fn from_document(document: Document) -> Self {
         // The window's first update then finds both for version 0, with which it begins as well.
         let mut derived = Derived::default();
         let document = Versioned::new(document);
@@ -28,7 +28,7 @@ impl Prepared {
     }
 
     /// The document with the suggestions, as a reader sees it.
-    pub(super) const fn document(&self) -> &Document {
+    pub(in crate::app) const fn document(&self) -> &Document {
         self.project.view()
     }
 }

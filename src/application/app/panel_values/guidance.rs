@@ -1,8 +1,8 @@
 //! The next step for the user, as the status row shows it.
 
 use super::progress::{ALL_DONE, missing_references};
-use super::session::{Mode, reason_label};
-use super::{App, Command};
+use crate::app::window_state::session::{Mode, reason_label};
+use crate::app::{App, Command};
 use touchline_calibration::calibrate::{CalibrationError, LANDMARKS_ALONE, points_alone};
 use touchline_core::geometry::pluralise;
 use touchline_core::solve::{ClickResidual, SolveError, Verdict};

@@ -86,18 +86,18 @@ impl Reclick {
     }
 
     /// Registers that the present landmark was clicked.
-    pub(super) fn take_click(&mut self) {
+    pub(in crate::app) fn take_click(&mut self) {
         self.clicked.push(self.at);
         self.at += 1;
     }
 
     /// Skips the present landmark.
-    pub(super) const fn skip(&mut self) {
+    pub(in crate::app) const fn skip(&mut self) {
         self.at += 1;
     }
 
     /// Returns to the landmark that was clicked last.
-    pub(super) fn go_back(&mut self) {
+    pub(in crate::app) fn go_back(&mut self) {
         self.at = self.clicked.pop().unwrap_or(self.at);
     }
 }

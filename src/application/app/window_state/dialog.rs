@@ -1,7 +1,7 @@
 //! Dialogs, the questions for paths, and the side panel.
 
 use super::choices::Scope;
-use super::guide::GuidePage;
+use crate::app::commands::guide::GuidePage;
 use std::path::PathBuf;
 use touchline_documents::exchange::Format;
 

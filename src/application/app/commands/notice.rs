@@ -1,6 +1,6 @@
 //! Messages to the user, with commands as remedies.
 
-use super::Command;
+use crate::app::Command;
 
 /// A message that does not take the focus.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub struct Messages {
 
 impl Messages {
     /// Shows a message. It replaces an earlier one with the same text.
-    pub(super) fn show(
+    pub(in crate::app) fn show(
         &mut self,
         level: Level,
         text: String,

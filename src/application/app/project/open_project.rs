@@ -4,10 +4,10 @@
 //! users' work. `project` keeps both apart, as the journal stores them. Undo and redo apply to the
 //! users' work alone.
 
-use super::Versioned;
 use super::derived::{Derived, FrameCounts};
-use super::effect::Snapshot;
 use super::prepared::Prepared;
+use crate::app::Versioned;
+use crate::app::effect::Snapshot;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
@@ -37,11 +37,11 @@ pub struct OpenProject {
     /// The number of edits written to the journal.
     pub revision: u64,
     /// The generation of the newest forest that has proposed anything.
-    pub(super) forest_generation: u64,
+    pub(in crate::app) forest_generation: u64,
     /// The document as the journal has it: users' work, and suggestions beside it.
-    pub(super) project: Project,
+    pub(in crate::app) project: Project,
     /// Values derived from the document.
-    pub(super) derived: Derived,
+    pub(in crate::app) derived: Derived,
 }
 
 impl OpenProject {
@@ -54,7 +54,7 @@ impl OpenProject {
 
     /// Positions and numbers of the frames in the same video as the frame at `position`, in the
     /// document's order. All still images count as one video.
-    pub(super) fn frame_numbers_in_video(
+    pub(in crate::app) fn frame_numbers_in_video(
         &self,
         position: usize,
     ) -> impl Iterator<Item = (usize, u64)> + '_ {
@@ -87,7 +87,7 @@ impl OpenProject {
     }
 
     /// [`Self::new`] for a prepared document.
-    pub(super) fn from_prepared(
+    pub(in crate::app) fn from_prepared(
         prepared: Prepared,
         file: PathBuf,
         folder: PathBuf,
@@ -121,7 +121,7 @@ impl OpenProject {
 
     /// The changes since the last call, to be written to the journal; none if there are none.
     /// `kind` says what undo and redo make of the edit.
-    pub(super) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
+    pub(in crate::app) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
         // Frames from which the user's work was removed show their suggestion again.
         for (position, frame) in self.project.not_shown_in(&self.document) {
             self.document.frames[position] = frame;
@@ -136,7 +136,7 @@ impl OpenProject {
     }
 
     /// The document as the journal has it, with the history up to the last commit.
-    pub(super) fn snapshot(&self) -> Snapshot {
+    pub(in crate::app) fn snapshot(&self) -> Snapshot {
         let (document, history) = (
             self.project.view().clone(),
             self.history.without_open_transaction(),
@@ -150,7 +150,7 @@ impl OpenProject {
 
     /// Takes in proposals of forests as suggestions. Returns the edit for the journal; none if
     /// nothing changes. Proposals of any but the newest forest are dropped.
-    pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<Edit> {
+    pub(in crate::app) fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<Edit> {
         // Reports of one forest may arrive after those of the next one, which knows more.
         let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
         self.forest_generation = self.forest_generation.max(newest);
@@ -164,7 +164,7 @@ impl OpenProject {
 
     /// Takes in cameras that were tracked from a forest's proposals. `newest` is the newest
     /// generation among them. Cameras from an outdated forest are dropped.
-    pub(super) fn take_tracked(
+    pub(in crate::app) fn take_tracked(
         &mut self,
         tracked: &[TrackedProposal],
         newest: u64,
@@ -184,7 +184,11 @@ impl OpenProject {
 
     /// Adds suggestions to a batch; this is no step of undo. Returns the edit for the journal; none
     /// if nothing changes.
-    pub(super) fn suggest(&mut self, batch: BatchId, updates: &[SuggestionUpdate]) -> Option<Edit> {
+    pub(in crate::app) fn suggest(
+        &mut self,
+        batch: BatchId,
+        updates: &[SuggestionUpdate],
+    ) -> Option<Edit> {
         // Change a copy: writing into the document raises its version, which costs all derived
         // values, and often nothing changes.
         let mut document = self.document.clone();
@@ -196,7 +200,11 @@ impl OpenProject {
 
     /// Removes a batch of suggestions from the frames that users have not changed since; this is no
     /// step of undo.
-    pub(super) fn discard_batch(&mut self, batch: BatchId, newest_forest: u64) -> Discarded {
+    pub(in crate::app) fn discard_batch(
+        &mut self,
+        batch: BatchId,
+        newest_forest: u64,
+    ) -> Discarded {
         let mut document = self.document.clone();
         let discarded = self.project.discard(&mut document, batch, newest_forest);
         if discarded.edit.is_some() {
@@ -227,7 +235,7 @@ impl OpenProject {
     }
 
     /// Stores a field template that was read, or the error.
-    pub(super) fn template_read(
+    pub(in crate::app) fn template_read(
         &mut self,
         name: &str,
         template: Result<Box<Template>, FieldError>,
@@ -237,7 +245,7 @@ impl OpenProject {
     }
 
     /// Requests again the templates that could not be read.
-    pub(super) fn want_failed_templates_again(&mut self) {
+    pub(in crate::app) fn want_failed_templates_again(&mut self) {
         self.derived.want_failed_templates_again();
         self.document.raise_version();
     }
@@ -250,7 +258,7 @@ impl OpenProject {
 
     /// Solves a frame from its clicks. If another camera of the document fits better, this is the
     /// first warning. None if the frame does not exist or its field is invalid.
-    pub(super) fn solve(
+    pub(in crate::app) fn solve(
         &mut self,
         index: usize,
     ) -> Option<Result<FrameSolution, CalibrationError>> {
@@ -267,7 +275,7 @@ impl OpenProject {
     }
 
     /// Another camera of the document that fits a solved frame better than its own.
-    pub(super) fn better_camera(
+    pub(in crate::app) fn better_camera(
         &mut self,
         index: usize,
         solved: &FrameSolution,
@@ -311,24 +319,24 @@ impl OpenProject {
     }
 
     /// Opens a step of undo.
-    pub(super) fn begin(&mut self, step: Step) {
+    pub(in crate::app) fn begin(&mut self, step: Step) {
         self.history
             .begin(&self.project.edits_in(&self.document), step);
     }
 
     /// Reopens the last step of undo, if it equals `step` and none is open. Returns whether it did.
-    pub(super) fn resume(&mut self, step: &Step) -> bool {
+    pub(in crate::app) fn resume(&mut self, step: &Step) -> bool {
         self.history
             .resume(&self.project.edits_in(&self.document), step)
     }
 
     /// Closes the open step of undo.
-    pub(super) fn commit(&mut self) {
+    pub(in crate::app) fn commit(&mut self) {
         self.history.commit(&self.project.edits_in(&self.document));
     }
 
     /// Aborts the open step of undo: the document returns to its state before the step.
-    pub(super) fn abort(&mut self) {
+    pub(in crate::app) fn abort(&mut self) {
         let mut edited = self.project.edited_document().clone();
         if self.history.abort(&mut edited) {
             *self.document = self.project.view_with(&edited);
@@ -338,7 +346,12 @@ impl OpenProject {
     /// Writes the shots that a search found; `num_below` is the number of steps in the history when
     /// it began. If the user made or undid steps since, the shots are inserted below those, the
     /// whole history changes, and the result is true.
-    pub(super) fn mark_shots(&mut self, shots: VideoShots, step: Step, num_below: usize) -> bool {
+    pub(in crate::app) fn mark_shots(
+        &mut self,
+        shots: VideoShots,
+        step: Step,
+        num_below: usize,
+    ) -> bool {
         let before = self.project.edits_in(&self.document);
         // A step on top of the user's own would be the first to be undone, although the search was
         // started before them. With steps to redo, a new step would drop those.
@@ -357,7 +370,7 @@ impl OpenProject {
     }
 
     /// Undoes the last step (`back`) or redoes the next one, and returns it.
-    pub(super) fn undo(&mut self, back: bool) -> Option<Step> {
+    pub(in crate::app) fn undo(&mut self, back: bool) -> Option<Step> {
         // The history has the users' work alone. Undo there, then show the suggestions in the
         // frames that have no work afterwards.
         let mut edited = self.project.edits_in(&self.document);

@@ -1,6 +1,6 @@
 //! Other words by which users may search for a command.
 
-use super::Command;
+use crate::app::Command;
 
 /// Words that find a command in addition to its name; empty if there are none.
 #[must_use]

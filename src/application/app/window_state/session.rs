@@ -3,14 +3,14 @@
 pub use super::dialog::{Dialog, Leaving, Question, SidePanel};
 pub use super::filter::{Filter, is_to_do, status_label};
 pub use super::mode::{Mode, Naming, OFFERED};
-pub use super::notice::{Level, Messages, Notice, in_row};
+pub use crate::app::commands::notice::{Level, Messages, Notice, in_row};
 
 use super::choices::QualityChoice;
-use super::guide::GuidePage;
 use super::review_choice::ReviewChoice;
-use super::tour::Tour;
 use super::video::VideoState;
-use super::{Command, TrainerState};
+use crate::app::commands::guide::GuidePage;
+use crate::app::commands::tour::Tour;
+use crate::app::{Command, TrainerState};
 use crate::scene::uncertainty::UncertaintyView;
 use std::collections::BTreeSet;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! A tour of five steps on the demo match. The user does each step; it is over when the document
 //! shows the result.
 
-use super::{Command, Keymap};
+use crate::app::{Command, Keymap};
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Document, Frame, FrameId, FrameStatus};
 
@@ -91,7 +91,7 @@ impl TourStep {
 
 /// The state of the document as the tour sees it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct TourView {
+pub(in crate::app) struct TourView {
     /// The shown frame.
     pub frame: Option<FrameId>,
     /// Its points, px.
@@ -146,7 +146,7 @@ pub struct Tour {
 
 impl Tour {
     /// Starts with the first step.
-    pub(super) const fn begin(seen: TourView) -> Self {
+    pub(in crate::app) const fn begin(seen: TourView) -> Self {
         Self {
             step: TourStep::FirstPoint,
             since: seen,
@@ -161,12 +161,12 @@ impl Tour {
     }
 
     /// Registers that the user takes a point to drag it, or nudges it.
-    pub(super) const fn point_taken(&mut self) {
+    pub(in crate::app) const fn point_taken(&mut self) {
         self.took_point = true;
     }
 
     /// Advances to the next step if the present one is done.
-    pub(super) fn look(&mut self, seen: TourView) {
+    pub(in crate::app) fn look(&mut self, seen: TourView) {
         // A step is done when the document shows its result, however the user came there.
         let since = &self.since;
         let (done, next) = match self.step {

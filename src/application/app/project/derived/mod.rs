@@ -3,7 +3,7 @@
 //!
 //! Most values have a [`Memo`], whose key is the document's version. Values that depend on all
 //! frames are updated from the frames that changed since the last request, so that an edit in a
-//! document of 100,000 frames costs what one frame costs. [`Current`](super::Current), the review
+//! document of 100,000 frames costs what one frame costs. [`Current`](crate::app::Current), the review
 //! list and the quality page depend on these values and on the user's choices.
 
 mod advice;
@@ -21,7 +21,7 @@ use self::field_models::FieldModels;
 use self::gold::Gold;
 use self::memo::{Follows, Memo};
 use self::templates::Templates;
-use super::Versioned;
+use crate::app::Versioned;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{Disagreements, FrameLookup};
 use touchline_calibration::proposals::{Coverage, LabelAdvice};
@@ -30,7 +30,7 @@ use touchline_documents::document::{Document, FieldSpec, Fields, Frame};
 
 /// The values derived from a document.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Derived {
+pub(in crate::app) struct Derived {
     lookup: Memo<FrameLookup>,
     counts: Memo<FrameCounts>,
     disagreements: Memo<Disagreements>,
@@ -54,12 +54,12 @@ impl Follows for Disagreements {
 
 impl Derived {
     /// Index of the frames for the calibration.
-    pub(super) fn lookup(&mut self, document: &Versioned<Document>) -> &FrameLookup {
+    pub(in crate::app) fn lookup(&mut self, document: &Versioned<Document>) -> &FrameLookup {
         self.lookup.at(document)
     }
 
     /// The counts of frames by kind.
-    pub(super) fn counts(&mut self, document: &Versioned<Document>) -> &FrameCounts {
+    pub(in crate::app) fn counts(&mut self, document: &Versioned<Document>) -> &FrameCounts {
         self.counts.at(document)
     }
 
@@ -69,12 +69,15 @@ impl Derived {
     }
 
     /// The disagreements of solved frames with their neighbours.
-    pub(super) fn disagreements(&mut self, document: &Versioned<Document>) -> &Disagreements {
+    pub(in crate::app) fn disagreements(
+        &mut self,
+        document: &Versioned<Document>,
+    ) -> &Disagreements {
         self.disagreements.at(document)
     }
 
     /// A field of the document, with the click noise that the document uses.
-    pub(super) fn field(
+    pub(in crate::app) fn field(
         &mut self,
         document: &Versioned<Document>,
         spec: &FieldSpec,
@@ -85,7 +88,7 @@ impl Derived {
     }
 
     /// The fields of all cameras.
-    pub(super) fn fields(
+    pub(in crate::app) fn fields(
         &mut self,
         document: &Versioned<Document>,
     ) -> Result<Arc<Fields>, FieldError> {
@@ -95,7 +98,7 @@ impl Derived {
     }
 
     /// The field of a frame in a document that differs from the open one.
-    pub(super) fn field_in(
+    pub(in crate::app) fn field_in(
         &mut self,
         document: &Document,
         frame: &Frame,
@@ -105,13 +108,13 @@ impl Derived {
     }
 
     /// The templates that must be read before a field can be built. Each is returned once.
-    pub(super) fn take_wanted_templates(&mut self) -> Vec<String> {
+    pub(in crate::app) fn take_wanted_templates(&mut self) -> Vec<String> {
         self.templates.take_wanted()
     }
 
     /// Stores a template that was read, or the error. Fields that use it are built with the
     /// document's next version.
-    pub(super) fn template_read(
+    pub(in crate::app) fn template_read(
         &mut self,
         name: &str,
         template: Result<Box<Template>, FieldError>,
@@ -121,7 +124,7 @@ impl Derived {
 
     /// Requests the templates that could not be read once more, because their files may have been
     /// corrected.
-    pub(super) fn want_failed_templates_again(&mut self) {
+    pub(in crate::app) fn want_failed_templates_again(&mut self) {
         // Forget the fields, too: their errors are stored with them.
         self.templates.want_failed_again();
         self.fields = Memo::default();
@@ -130,7 +133,7 @@ impl Derived {
 
     /// Advice where to label next, for the document after its journalled edit `revision`.
     /// `coverage` says where references look. If no frame lacks an answer, nothing is computed.
-    pub(super) fn label_advice(
+    pub(in crate::app) fn label_advice(
         &mut self,
         document: &Versioned<Document>,
         revision: u64,
@@ -144,14 +147,14 @@ impl Derived {
     }
 
     /// The values about gold frames and their repeats.
-    pub(super) fn gold(&mut self, document: &Versioned<Document>) -> &GoldWork {
+    pub(in crate::app) fn gold(&mut self, document: &Versioned<Document>) -> &GoldWork {
         let counts = self.counts.at(document);
         self.gold.update(document, counts, &mut self.templates);
         &self.gold.work
     }
 
     /// The values about gold frames at their last request.
-    pub(super) const fn last_gold(&self) -> &GoldWork {
+    pub(in crate::app) const fn last_gold(&self) -> &GoldWork {
         &self.gold.work
     }
 }

@@ -1,8 +1,8 @@
 //! A document that was just read, and the choices about another program's version.
 
-use super::notice::Level;
 use super::prepared::Prepared;
 use super::review_queue::ReviewQueue;
+use crate::app::commands::notice::Level;
 use std::path::{Path, PathBuf};
 use touchline_documents::document::{Document, History};
 use touchline_documents::store::Orphan;
@@ -22,7 +22,7 @@ pub enum OutsideChoice {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
     /// The document with its derived values.
-    pub(super) prepared: Prepared,
+    pub(in crate::app) prepared: Prepared,
     /// Undo and redo of earlier sessions.
     pub history: History<Document>,
     /// The folder to which relative paths refer.
@@ -70,12 +70,12 @@ impl Opened {
 }
 
 #[cfg(test)]
-impl super::App {
+impl crate::app::App {
     /// The application with a document open.
-    pub(super) fn with_document(document: Document) -> Self {
-        let mut app = Self::new(super::Settings::default());
+    pub(in crate::app) fn with_document(document: Document) -> Self {
+        let mut app = Self::new(crate::app::Settings::default());
         let opened = Opened::new(document, "/match/project.json");
-        app.update(super::Action::Opened(Box::new(opened)));
+        app.update(crate::app::Action::Opened(Box::new(opened)));
         app
     }
 }

@@ -1,6 +1,6 @@
 //! Messages after accepting a frame, and when nothing is left to do.
 
-use super::derived::FrameCounts;
+use crate::app::project::derived::FrameCounts;
 use touchline_calibration::calibrate::WIDE_FRAMES;
 use touchline_documents::document::FrameStatus;
 

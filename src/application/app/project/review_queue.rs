@@ -4,8 +4,8 @@
 //! another project: that one is then opened. Opening anything else, and going past the end, ends
 //! the queue.
 
-use super::App;
-use super::session::Level;
+use crate::app::App;
+use crate::app::window_state::session::Level;
 use std::path::PathBuf;
 
 /// What is said past the last frame and before the first.
@@ -61,7 +61,7 @@ impl ReviewQueue {
 
 impl App {
     /// Takes a queue that was opened with a document, or goes on with the one that opened it.
-    pub(super) fn continue_queue(&mut self, queue: Option<ReviewQueue>) {
+    pub(in crate::app) fn continue_queue(&mut self, queue: Option<ReviewQueue>) {
         if queue.is_some() {
             self.queue = queue;
         }
@@ -78,7 +78,7 @@ impl App {
     }
 
     /// Goes on to the next frame of the queue. False if there is no queue.
-    pub(super) fn go_on_in_queue(&mut self, forward: bool) -> bool {
+    pub(in crate::app) fn go_on_in_queue(&mut self, forward: bool) -> bool {
         let Some(queue) = &mut self.queue else {
             return false;
         };
@@ -125,7 +125,7 @@ impl App {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::session::SidePanel;
+    use crate::app::window_state::session::SidePanel;
     use crate::app::{Action, Command, Opened, Settings};
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;

@@ -1,6 +1,6 @@
 //! Advice where to label next, as one sentence for the panels, the status row and the command line.
 
-use super::App;
+use crate::app::App;
 use touchline_calibration::proposals::{LabelAdvice, LabelNext};
 
 impl App {

@@ -2,7 +2,7 @@
 //! decision, lines, residuals, verdict and numbers all refer to that base, and none to the current
 //! one.
 
-use super::App;
+use crate::app::App;
 use touchline_calibration::calibrate::CalibrationError;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::solve::{ClickResidual, FrameSolution, Judgement};

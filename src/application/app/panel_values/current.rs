@@ -2,11 +2,12 @@
 //! recomputed when the document, the shown frame or the point that is being placed changes, and
 //! never stored.
 
-use super::OpenProject;
-use super::naming::{self, NamingScene, NeighbourClick, TakenName};
 use super::proposed_base::WithProposal;
-use super::review::disagrees;
-use super::session::{Mode, Naming, Session};
+use crate::app::OpenProject;
+use crate::app::review::disagrees;
+use crate::app::window_state::naming;
+use crate::app::window_state::naming::{NamingScene, NeighbourClick, TakenName};
+use crate::app::window_state::session::{Mode, Naming, Session};
 use crate::scene::next_click::{NextClick, next_clicks};
 use std::sync::Arc;
 use touchline_calibration::calibrate::{
@@ -90,7 +91,7 @@ struct Trial {
 /// The solution of a frame's clicks that was just recorded in the document, so that [`Current`]
 /// need not compute it again.
 #[derive(Debug)]
-pub(super) struct FreshSolve {
+pub(in crate::app) struct FreshSolve {
     /// The index of the frame.
     pub frame: usize,
     /// The version of the document after the solution was recorded.
@@ -102,7 +103,7 @@ pub(super) struct FreshSolve {
 impl Current {
     /// Recomputes whatever has outdated inputs: the values of the shown frame, the preview, the
     /// proposal.
-    pub(super) fn refresh(
+    pub(in crate::app) fn refresh(
         &mut self,
         open: Option<&mut OpenProject>,
         session: &Session,
@@ -402,7 +403,7 @@ fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
 
 /// Ranks the possible names of a click. `contradicted` says that paint contradicts the frame's
 /// camera, although the document does not record that yet.
-pub(super) fn rank_names(
+pub(in crate::app) fn rank_names(
     open: &mut OpenProject,
     frame_index: usize,
     click: usize,
