@@ -2,7 +2,8 @@
 //!
 //! # Order
 //!
-//! 1. The action itself: `actions.rs` and `commands.rs` dispatch it to the file of its subject.
+//! 1. The action itself: `actions.rs` and `commands.rs` dispatch it to the file of its subject, which
+//!    lies here or in one of the rooms `clicking`, `documents`, `reviewing`.
 //! 2. Results of operations that waited for the end of the user's change (`requests.rs`).
 //! 3. The derived values, from those that others depend on to those that depend on them.
 //! 4. What follows from the new state: the next step of the tour, operations that start without a
@@ -16,33 +17,16 @@
 //! Suggestions of the program are edits for the journal, too, but no steps.
 
 mod actions;
-mod base;
-mod cameras;
-mod clicks;
+mod clicking;
 mod commands;
-mod document;
-mod doubt;
-mod frames;
-mod gold;
-mod grab;
+mod documents;
 mod guide;
-mod leaving;
-mod masks;
-mod naming;
-mod numbers;
-mod outside;
 mod playing;
-mod proposals;
-mod quality;
 mod requests;
-mod review;
+mod reviewing;
 mod settings;
-mod shots;
-mod sport;
-mod stretch;
 mod tour;
 mod trainer;
-mod verdict;
 
 pub use commands::MAX_SCALE;
 

@@ -1,6 +1,6 @@
 //! Moves between frames, and accepts, rejects or comments them.
 
-use super::App;
+use crate::app::App;
 use crate::app::Command;
 use crate::app::panel_values::progress::just_accepted;
 use crate::app::window_state::session::{Level, Mode};
@@ -29,13 +29,13 @@ impl App {
     }
 
     /// Shows the frame `by` frames later, or earlier if negative.
-    pub(super) fn step_frame(&mut self, by: isize) {
+    pub(in crate::app::update) fn step_frame(&mut self, by: isize) {
         self.go_to(self.session.frame.saturating_add_signed(by));
     }
 
     /// Shows the next frame in a direction for which `wanted` is true. Continues from the other
     /// end; shows the message `none` if there is no such frame.
-    pub(super) fn go_to_next(
+    pub(in crate::app::update) fn go_to_next(
         &mut self,
         forward: bool,
         wanted: impl Fn(&Frame) -> bool,
@@ -89,7 +89,7 @@ impl App {
 
     /// Accepts the shown frame as a reference; one step of undo. Goes to the next frame to do
     /// unless `stay`. Asks first if the frame looks wrong.
-    pub(super) fn accept(&mut self, stay: bool) {
+    pub(in crate::app::update) fn accept(&mut self, stay: bool) {
         if let Some(reason) = self.unacceptable() {
             self.session.notify(Level::Info, reason);
             self.session.points.selected = self
@@ -138,7 +138,7 @@ impl App {
     }
 
     /// Asks for the reason of a rejection. On a rejected frame, removes the mark instead.
-    pub(super) fn ask_reject(&mut self, whole_shot: bool) {
+    pub(in crate::app::update) fn ask_reject(&mut self, whole_shot: bool) {
         let Some(frame) = self.frame() else { return };
         if frame.status == FrameStatus::Rejected && !whole_shot {
             if self.begin("Remove the mark") {
@@ -162,7 +162,7 @@ impl App {
 
     /// Rejects the shown frame or its shot for a reason; one step of undo. Then goes to the next
     /// frame to do.
-    pub(super) fn reject_as(&mut self, reason: RejectReason) {
+    pub(in crate::app::update) fn reject_as(&mut self, reason: RejectReason) {
         let whole_shot = matches!(self.session.mode, Mode::Rejecting { whole_shot: true });
         self.session.mode = Mode::Idle;
         // The next row must be found before the frame leaves the list.
@@ -196,7 +196,7 @@ impl App {
     }
 
     /// Sets the comment of the shown frame; an empty one removes it.
-    pub(super) fn set_comment(&mut self, comment: &str) {
+    pub(in crate::app::update) fn set_comment(&mut self, comment: &str) {
         self.session.dialog = None;
         if self.begin("Comment") {
             if let Some(frame) = self.frame_mut() {

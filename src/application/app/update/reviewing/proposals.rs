@@ -1,6 +1,6 @@
 //! Suggestions: takes in the forest's proposals, withdraws outdated ones, and discards batches.
 
-use super::App;
+use crate::app::App;
 use crate::app::effect::Effect;
 use crate::app::trainer::TrainerOrder;
 use crate::app::window_state::session::Level;
@@ -12,7 +12,7 @@ use touchline_documents::document::Frame;
 impl App {
     /// Takes in proposals as suggestions; they are journalled but are no step of undo. Proposals of
     /// outdated forests are dropped.
-    pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) {
+    pub(in crate::app::update) fn take_proposals(&mut self, proposals: &[Proposal]) {
         let is_known = self.trainer_knows_document();
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else {
             return;
@@ -41,7 +41,7 @@ impl App {
     }
 
     /// Takes in cameras that were tracked from the forest's proposals, in the same way.
-    pub(super) fn take_tracked(&mut self, tracked: &[TrackedProposal]) {
+    pub(in crate::app::update) fn take_tracked(&mut self, tracked: &[TrackedProposal]) {
         let is_known = self.trainer_knows_document();
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else {
             return;
@@ -59,7 +59,7 @@ impl App {
     }
 
     /// Why the batch of the shown frame's suggestion cannot be discarded. None if it can.
-    pub(super) fn why_not_discard_batch(&self) -> Option<&'static str> {
+    pub(in crate::app::update) fn why_not_discard_batch(&self) -> Option<&'static str> {
         if self.is_read_only() {
             return Some("The document is read-only.");
         }
@@ -77,7 +77,7 @@ impl App {
     }
 
     /// Discards the suggestions of the same batch as the shown frame's.
-    pub(super) fn discard_shown_batch(&mut self) {
+    pub(in crate::app::update) fn discard_shown_batch(&mut self) {
         self.commit_open_step();
         if let Some(batch) = self.shown_batch() {
             self.discard_batch(batch);
@@ -118,7 +118,7 @@ impl App {
     /// Within an open step that may have moved a camera: withdraws the proposals for its former
     /// base, and refits pan, tilt and zoom of other cameras from pictures so that their lines stay
     /// in place.
-    pub(super) fn follow_base(&mut self) {
+    pub(in crate::app::update) fn follow_base(&mut self) {
         let Some(open) = &mut self.open else { return };
         if !open.history.is_open() {
             return;

@@ -1,6 +1,6 @@
 //! The verdict on the shown frame, including paint and neighbours.
 
-use super::App;
+use crate::app::App;
 use touchline_core::markings::LineVerdict;
 use touchline_core::solve::{Judgement, Verdict};
 use touchline_documents::document::FrameStatus;

@@ -4,8 +4,8 @@
 //! In a blind round the user clicks the landmarks of gold frames again without seeing the labels.
 //! The differences between clicks on the same landmark show the annotator's click noise.
 
-use super::App;
 use super::clicks::clamp_to_picture;
+use crate::app::App;
 use crate::app::GoldWork;
 use crate::app::Tool;
 use crate::app::window_state::reclick::{Reclick, ReclickTarget};
@@ -17,7 +17,7 @@ use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{ClickNoise, EditKind, Repeat, Step, Target};
 
 /// Shown when the user tries something that would show the label or leave the round.
-pub(super) const IN_ROUND: &str = "A blind round is under way: end it first (Esc).";
+pub(in crate::app::update) const IN_ROUND: &str = "A blind round is under way: end it first (Esc).";
 
 impl App {
     /// The present blind round, if any.
@@ -39,7 +39,7 @@ impl App {
     }
 
     /// Whether an action would break the present blind round. Shows a message if so.
-    pub(super) fn breaks_round(&mut self, action: &Action) -> bool {
+    pub(in crate::app::update) fn breaks_round(&mut self, action: &Action) -> bool {
         let breaks = self.round().is_some() && !action.is_blind();
         if breaks {
             self.session.notify(Level::Info, IN_ROUND);
@@ -48,14 +48,14 @@ impl App {
     }
 
     /// Updates the values about gold frames and their repeats.
-    pub(super) fn refresh_gold(&mut self) {
+    pub(in crate::app::update) fn refresh_gold(&mut self) {
         if let Some(open) = &mut self.open {
             open.derived.gold(&open.document);
         }
     }
 
     /// Marks or unmarks the shown frame as gold.
-    pub(super) fn toggle_gold(&mut self) {
+    pub(in crate::app::update) fn toggle_gold(&mut self) {
         let Some(frame) = self.frame() else { return };
         let gold = !frame.gold;
         if let Some(reason) = frame.why_not_gold().filter(|_| gold) {
@@ -76,7 +76,7 @@ impl App {
     }
 
     /// Marks references as gold that the program chooses; one step of undo.
-    pub(super) fn choose_gold(&mut self) {
+    pub(in crate::app::update) fn choose_gold(&mut self) {
         let Some(open) = &self.open else { return };
         let chosen = choose_gold(&open.document);
         let count = match chosen.len() {
@@ -101,7 +101,7 @@ impl App {
     }
 
     /// Starts a blind round, or ends the present one.
-    pub(super) fn click_again(&mut self) {
+    pub(in crate::app::update) fn click_again(&mut self) {
         if self.round().is_some() {
             self.end_round();
             return;
@@ -197,7 +197,7 @@ impl App {
     }
 
     /// Skips the present landmark.
-    pub(super) fn skip_again(&mut self) {
+    pub(in crate::app::update) fn skip_again(&mut self) {
         if let Some(round) = self.round_mut() {
             round.skip();
             self.show_frame_to_repeat();
@@ -205,7 +205,7 @@ impl App {
     }
 
     /// Undoes the last click of the round, and asks for the same landmark again.
-    pub(super) fn undo_again(&mut self) {
+    pub(in crate::app::update) fn undo_again(&mut self) {
         let Some(round) = self.round_mut() else {
             return;
         };
@@ -259,7 +259,7 @@ impl App {
     }
 
     /// Ends the round. Clicks of the round are kept.
-    pub(super) fn end_round(&mut self) {
+    pub(in crate::app::update) fn end_round(&mut self) {
         let Some(clicked) = self.round().map(Reclick::clicked_count) else {
             return;
         };
@@ -308,7 +308,7 @@ impl App {
     }
 
     /// Why the annotator's click noise cannot be used. None if it can.
-    pub(super) fn why_not_own_noise(&self) -> Option<&'static str> {
+    pub(in crate::app::update) fn why_not_own_noise(&self) -> Option<&'static str> {
         /// Shown while there are too few repeats.
         const TOO_FEW: &str = "At least 12 blind clicks of gold frames are needed.";
         const { assert!(ENOUGH_REPEATS == 12, "the message names the number") };
@@ -322,14 +322,14 @@ impl App {
     }
 
     /// Why the usual click noise cannot be used. None if it can.
-    pub(super) fn why_not_usual_noise(&self) -> Option<&'static str> {
+    pub(in crate::app::update) fn why_not_usual_noise(&self) -> Option<&'static str> {
         self.click_noise_in_use()
             .is_none()
             .then_some("Your points already use the usual click noise.")
     }
 
     /// Weights the clicks by the annotator's own click noise as measured so far.
-    pub(super) fn use_own_noise(&mut self) {
+    pub(in crate::app::update) fn use_own_noise(&mut self) {
         if let Some(noise) = self.gold().own.click_noise.clone() {
             self.weight_clicks("Use my click noise", &noise);
         }
@@ -337,7 +337,7 @@ impl App {
 
     /// Weights the clicks by the usual click noise again. The annotator's stays in the document,
     /// unused.
-    pub(super) fn use_usual_noise(&mut self) {
+    pub(in crate::app::update) fn use_usual_noise(&mut self) {
         if let Some(noise) = self.click_noise_in_use() {
             self.weight_clicks(
                 "Use the usual click noise",

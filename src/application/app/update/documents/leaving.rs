@@ -2,14 +2,14 @@
 //! writes, and asks the user if edits exist only in memory or another program has changed the
 //! document.
 
-use super::App;
+use crate::app::App;
 use crate::app::effect::Effect;
 use crate::app::window_state::session::{Dialog, Leaving, Mode, Saving};
 
 impl App {
     /// Handles the user's wish to close the window: aborts a drag or an edit of numbers, and closes
     /// the window as soon as everything is written.
-    pub(super) fn close_requested(&mut self) {
+    pub(in crate::app::update) fn close_requested(&mut self) {
         if let Mode::Dragging { .. } | Mode::Editing = self.session.mode {
             self.abort();
         }
@@ -66,7 +66,7 @@ impl App {
     }
 
     /// Gives up leaving, and returns what the user wanted.
-    pub(super) fn stay(&mut self) -> Option<Leaving> {
+    pub(in crate::app::update) fn stay(&mut self) -> Option<Leaving> {
         let leaving = self.session.disk.leaving.take()?;
         if leaving != Leaving::Close {
             self.session.disk.opening = None;
@@ -76,7 +76,7 @@ impl App {
 
     /// If the dialog about unsaved edits is open: closes it and leaves, because the user accepts
     /// the loss or everything has been written meanwhile.
-    pub(super) fn leave_unsaved(&mut self) {
+    pub(in crate::app::update) fn leave_unsaved(&mut self) {
         if let Some(Dialog::NotSaved(leaving)) = &self.session.dialog {
             let leaving = leaving.clone();
             self.session.dialog = None;

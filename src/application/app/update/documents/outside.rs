@@ -1,7 +1,7 @@
 //! Merges versions of the document: one that another program wrote, and edits to another version
 //! that were set aside.
 
-use super::App;
+use crate::app::App;
 use crate::app::Command;
 use crate::app::OutsideChoice;
 use crate::app::effect::{Effect, Opening, OrphanOrder};
@@ -47,7 +47,11 @@ impl App {
     /// whenever the user wants to leave the document; in between a row at the top of the window
     /// shows the state. Until the user decides, the window's version (`own`) is listed among the
     /// edits that were set aside.
-    pub(super) fn handle_outside_change(&mut self, path: PathBuf, own: Option<Orphan>) {
+    pub(in crate::app::update) fn handle_outside_change(
+        &mut self,
+        path: PathBuf,
+        own: Option<Orphan>,
+    ) {
         let is_leaving = self.stay().is_some();
         if self.session.disk.changed_outside.replace(path).is_none() || is_leaving {
             self.session.dialog = Some(Dialog::ChangedOutside);
@@ -63,7 +67,7 @@ impl App {
     }
 
     /// Carries out the user's decision about the other program's version.
-    pub(super) fn resolve_outside(&mut self, choice: OutsideChoice) {
+    pub(in crate::app::update) fn resolve_outside(&mut self, choice: OutsideChoice) {
         self.session.dialog = None;
         let Some(open) = &self.open else { return };
         match choice {
@@ -79,7 +83,7 @@ impl App {
 
     /// Merges another program's changes with the user's. The other version is set aside in any
     /// case.
-    pub(super) fn merge_outside(&mut self, outside: &Outside) {
+    pub(in crate::app::update) fn merge_outside(&mut self, outside: &Outside) {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         let merged = merge(&outside.base, &open.document, &outside.theirs);
@@ -110,7 +114,7 @@ impl App {
     }
 
     /// Merges edits that were set aside into the document.
-    pub(super) fn merge_orphan(&mut self, orphan: PathBuf, edits: &OrphanEdits) {
+    pub(in crate::app::update) fn merge_orphan(&mut self, orphan: PathBuf, edits: &OrphanEdits) {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         let merged = edits.merge_with(&open.document);
@@ -123,7 +127,7 @@ impl App {
     }
 
     /// Handles the renaming of a file whose edits are merged.
-    pub(super) fn orphan_put_away(&mut self, orphan: &Path, renamed: &Path) {
+    pub(in crate::app::update) fn orphan_put_away(&mut self, orphan: &Path, renamed: &Path) {
         self.session
             .disk
             .orphans

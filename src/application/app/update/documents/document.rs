@@ -1,8 +1,8 @@
 //! Opens, saves and leaves documents.
 
-use super::App;
-use super::Current;
+use crate::app::App;
 use crate::app::Command;
+use crate::app::Current;
 use crate::app::OpenProject;
 use crate::app::Opened;
 use crate::app::effect::{Effect, Opening};
@@ -22,7 +22,7 @@ impl App {
     }
 
     /// Opens the demo match, as soon as the present document can be left.
-    pub(super) fn open_demo(&mut self) {
+    pub(in crate::app::update) fn open_demo(&mut self) {
         self.leave_document(Leaving::OpenDemo);
     }
 
@@ -44,7 +44,7 @@ impl App {
     }
 
     /// Shows a document that was read, with a new session.
-    pub(super) fn show_document(&mut self, opened: Opened) {
+    pub(in crate::app::update) fn show_document(&mut self, opened: Opened) {
         // A new session keeps the log of messages, the panel and a part of the trainer's state.
         // Dropping the operations cancels all requests on the former document.
         let was_writing = self.operations.is_export_under_way();
@@ -94,8 +94,8 @@ impl App {
         self.session.frame = frame_to_resume_at(&open);
         self.open = Some(open);
         self.current = Current::default();
-        self.review = super::Review::default();
-        self.quality = super::Quality::default();
+        self.review = crate::app::review::Review::default();
+        self.quality = crate::app::quality::Quality::default();
         self.session.unticked.clear();
         self.continue_queue(queue);
         // What starts on opening: a tour that was requested, and operations.
@@ -106,7 +106,7 @@ impl App {
     }
 
     /// Requests the field templates that the document names and that have not been read.
-    pub(super) fn read_templates(&mut self) {
+    pub(in crate::app::update) fn read_templates(&mut self) {
         let Some(open) = &mut self.open else { return };
         let (of, folder) = (&open.file, &open.folder);
         let names = open.derived.take_wanted_templates().into_iter();
@@ -118,7 +118,7 @@ impl App {
     }
 
     /// Stores a template that was read, unless the document that names it has been closed since.
-    pub(super) fn template_read(
+    pub(in crate::app::update) fn template_read(
         &mut self,
         of: &Path,
         name: &str,
@@ -139,14 +139,14 @@ impl App {
     }
 
     /// Requests again the field templates that could not be read.
-    pub(super) fn read_failed_templates_again(&mut self) {
+    pub(in crate::app::update) fn read_failed_templates_again(&mut self) {
         if let Some(open) = &mut self.open {
             open.want_failed_templates_again();
         }
     }
 
     /// Writes the document now.
-    pub(super) fn save(&mut self) {
+    pub(in crate::app::update) fn save(&mut self) {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         if open.read_only.is_none() {
@@ -158,7 +158,7 @@ impl App {
     }
 
     /// Handles the path that the user chose.
-    pub(super) fn answer(&mut self, question: Question, path: PathBuf) {
+    pub(in crate::app::update) fn answer(&mut self, question: Question, path: PathBuf) {
         // A file dialog asks before a file is replaced; the dialog for typed paths does not.
         let is_typed = matches!(self.session.dialog, Some(Dialog::Path(_)));
         self.session.dialog = None;
@@ -184,7 +184,12 @@ impl App {
 
     /// Handles a successful write of the state at `revision`. If the document itself was written,
     /// and not only the journal, `document` is the number of the last request for that.
-    pub(super) fn handle_save(&mut self, revision: u64, at: String, document: Option<u64>) {
+    pub(in crate::app::update) fn handle_save(
+        &mut self,
+        revision: u64,
+        at: String,
+        document: Option<u64>,
+    ) {
         // An earlier state on disk is no news: the edits after it are still pending.
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
@@ -205,7 +210,7 @@ impl App {
     }
 
     /// Handles a failed write. If the user wanted to leave the document, asks what to do.
-    pub(super) fn save_failed(&mut self, message: String) {
+    pub(in crate::app::update) fn save_failed(&mut self, message: String) {
         // Repeated failures keep the time of the last success.
         let since = match std::mem::take(&mut self.session.disk.saving) {
             Saving::Saved { at } => Some(at),

@@ -1,7 +1,7 @@
 //! Data for the estimate of a camera's base: which frames are used, which frame to click next,
 //! mirrored names.
 
-use super::App;
+use crate::app::App;
 use crate::app::Command;
 use crate::app::window_state::session::Level;
 use touchline_calibration::calibrate::{BaseReadiness, LANDMARKS_ALONE, next_for_base};
@@ -17,7 +17,7 @@ impl App {
     }
 
     /// Shows the frame whose points would improve the base of the shown frame's camera most.
-    pub(super) fn show_for_base(&mut self) {
+    pub(in crate::app::update) fn show_for_base(&mut self) {
         let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
             return;
         };
@@ -38,7 +38,7 @@ impl App {
     }
 
     /// Includes a frame in the estimation of the base, or leaves it out; one step of undo.
-    pub(super) fn use_for_base(&mut self, index: usize, used: bool) {
+    pub(in crate::app::update) fn use_for_base(&mut self, index: usize, used: bool) {
         let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else {
             return;
         };
@@ -60,7 +60,7 @@ impl App {
 
     /// Mirrors the names of a frame's clicks (left and right, near and far, or both); one step of
     /// undo.
-    pub(super) fn mirror_names(&mut self, index: usize, symmetry: Symmetry) {
+    pub(in crate::app::update) fn mirror_names(&mut self, index: usize, symmetry: Symmetry) {
         // A change of another frame than the shown one would go unnoticed.
         self.go_to(index);
         let Some(Ok(field)) = self.open.as_mut().map(|open| open.field_of(index)) else {
@@ -78,7 +78,7 @@ impl App {
 
     /// Reports that the frames suffice for an estimate, when they have just begun to. `before` is
     /// the state before the action.
-    pub(super) fn tell_when_enough(&mut self, before: BaseReadiness) {
+    pub(in crate::app::update) fn tell_when_enough(&mut self, before: BaseReadiness) {
         if self.current.base.is_none() && !before.is_enough() && self.base_readiness().is_enough() {
             let text = "These frames are enough to estimate the base.";
             self.session.notify_with(

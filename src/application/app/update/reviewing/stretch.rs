@@ -1,6 +1,6 @@
 //! Accepting a stretch: the selected frames whose painted lines agree with their cameras.
 
-use super::App;
+use crate::app::App;
 use crate::app::review::{AcceptQuestion, LeftReason, Stretch};
 use crate::app::window_state::session::{Dialog, Level};
 use touchline_calibration::calibrate::impossible_camera;
@@ -17,7 +17,7 @@ impl App {
     }
 
     /// Counts the selected frames and opens the sheet that says which of them would be accepted.
-    pub(super) fn ask_accept_stretch(&mut self) {
+    pub(in crate::app::update) fn ask_accept_stretch(&mut self) {
         if self.decides_about_base() {
             let text = "An estimated base is shown. Use it or discard it first.";
             self.session.notify(Level::Info, text);

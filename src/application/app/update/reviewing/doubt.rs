@@ -1,7 +1,7 @@
 //! Acceptance of a frame whose camera is probably wrong: the program asks once, and offers a
 //! remedy.
 
-use super::App;
+use crate::app::App;
 use crate::app::review::percent;
 use crate::app::window_state::session::{Level, PendingAcceptance};
 use crate::app::{Command, sentence};
@@ -135,7 +135,7 @@ impl App {
     }
 
     /// Accepts a frame that looks wrong: marks the question as answered, and accepts.
-    pub(super) fn accept_anyway(&mut self) {
+    pub(in crate::app::update) fn accept_anyway(&mut self) {
         let Some(open) = &self.open else { return };
         let Some(frame) = open.frame(self.session.frame) else {
             return;

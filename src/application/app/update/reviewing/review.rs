@@ -1,7 +1,7 @@
 //! Review of suggestions: the next frame to review, acceptance of several together, and the choice
 //! of training frames.
 
-use super::App;
+use crate::app::App;
 use crate::app::Command;
 use crate::app::panel_values::progress::ALL_DONE;
 use crate::app::review::{AcceptQuestion, AcceptSheet, BulkAccept};
@@ -13,7 +13,7 @@ use touchline_documents::document::{Frame, FrameStatus, Step};
 impl App {
     /// Opens a side panel; if it is shown already, returns to the panel of the frame. Closes the
     /// quality page.
-    pub(super) fn toggle_panel(&mut self, panel: SidePanel) {
+    pub(in crate::app::update) fn toggle_panel(&mut self, panel: SidePanel) {
         let behind_page = std::mem::take(&mut self.session.quality.open);
         let is_shown = self.session.panel == panel && !behind_page;
         self.session.panel = if is_shown { SidePanel::Frame } else { panel };
@@ -21,7 +21,7 @@ impl App {
 
     /// Shows the next frame to do. While the review panel is open, this is the next row of its
     /// list; while a season's queue is open, its next frame.
-    pub(super) fn go_to_next_that_needs_me(&mut self, forward: bool) {
+    pub(in crate::app::update) fn go_to_next_that_needs_me(&mut self, forward: bool) {
         if self.go_on_in_queue(forward) {
             return;
         }
@@ -40,7 +40,7 @@ impl App {
     }
 
     /// Shows the frame whose label would help the forest most.
-    pub(super) fn go_to_label_next(&mut self) {
+    pub(in crate::app::update) fn go_to_label_next(&mut self) {
         if let Some(next) = self.review.advice.next {
             self.go_to(next.frame);
         }
@@ -48,7 +48,7 @@ impl App {
 
     /// Opens the sheet *Accept all*. Suggestions that arrive or change while it is open are not
     /// part of it.
-    pub(super) fn ask_accept_all(&mut self) {
+    pub(in crate::app::update) fn ask_accept_all(&mut self) {
         self.accept_question = self
             .open
             .as_ref()
@@ -57,7 +57,7 @@ impl App {
     }
 
     /// Includes a suggestion in the common acceptance, or excludes it.
-    pub(super) fn tick_suggestion(&mut self, index: usize, ticked: bool) {
+    pub(in crate::app::update) fn tick_suggestion(&mut self, index: usize, ticked: bool) {
         let Some(id) = self
             .open
             .as_ref()
@@ -106,7 +106,7 @@ impl App {
 
     /// Updates the content of the sheet. The distribution of the number of wrong suggestions is
     /// computed only if the content changed.
-    pub(super) fn refresh_accept_sheet(&mut self) {
+    pub(in crate::app::update) fn refresh_accept_sheet(&mut self) {
         let is_open = self.session.dialog == Some(Dialog::AcceptAll);
         if !is_open && !self.reads_guide_over_accept_sheet() {
             self.accept_question = None;
@@ -126,7 +126,7 @@ impl App {
     }
 
     /// Accepts every frame that the sheet counts: one step of undo.
-    pub(super) fn accept_all(&mut self) {
+    pub(in crate::app::update) fn accept_all(&mut self) {
         self.session.dialog = None;
         let bulk = self.bulk_accept();
         let is_stretch = bulk.of_stretch.is_some();
@@ -189,7 +189,7 @@ impl App {
     }
 
     /// Uses a reference for training, or not; one step of undo.
-    pub(super) fn set_use_for_training(&mut self, index: usize, used: bool) {
+    pub(in crate::app::update) fn set_use_for_training(&mut self, index: usize, used: bool) {
         let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else {
             return;
         };
@@ -210,7 +210,7 @@ impl App {
     }
 
     /// Toggles whether the shown frame is used for training.
-    pub(super) fn toggle_use_for_training(&mut self) {
+    pub(in crate::app::update) fn toggle_use_for_training(&mut self) {
         match self.frame().map(|frame| {
             (
                 frame.status == FrameStatus::Reference,

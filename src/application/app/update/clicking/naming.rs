@@ -1,6 +1,6 @@
 //! Names of clicks: the list of candidates, automatic names, and changes of names.
 
-use super::App;
+use crate::app::App;
 use crate::app::Command;
 use crate::app::panel_values::current::rank_names;
 use crate::app::window_state::naming::unambiguous;
@@ -27,7 +27,7 @@ impl App {
 
     /// Shows the candidates for a click at the cursor. Lists lines if the next click is to be on a
     /// line, or the click is on one already.
-    pub(super) fn open_naming(&mut self, click: usize) {
+    pub(in crate::app::update) fn open_naming(&mut self, click: usize) {
         let lines = self.session.is_next_on_line()
             || self
                 .frame()
@@ -42,7 +42,7 @@ impl App {
 
     /// Shows the candidates for the first click without a name. If the picture is magnified,
     /// centres it on the click.
-    pub(super) fn name_next(&mut self) {
+    pub(in crate::app::update) fn name_next(&mut self) {
         let Some(click) = self.frame().and_then(Frame::unnamed_click) else {
             return;
         };
@@ -73,12 +73,12 @@ impl App {
     }
 
     /// Closes the list of names.
-    pub(super) fn leave_naming(&mut self) {
+    pub(in crate::app::update) fn leave_naming(&mut self) {
         self.session.mode = Mode::Idle;
     }
 
     /// Filters the list by the text that the user typed.
-    pub(super) fn type_name(&mut self, typed: String) {
+    pub(in crate::app::update) fn type_name(&mut self, typed: String) {
         if let Mode::Naming(naming) = &mut self.session.mode {
             naming.typed = typed;
             naming.highlighted = 0;
@@ -87,7 +87,7 @@ impl App {
 
     /// Shows other names for the click that was just named automatically. It keeps its name until
     /// the user chooses another one.
-    pub(super) fn refine_name(&mut self, typed: String) {
+    pub(in crate::app::update) fn refine_name(&mut self, typed: String) {
         let Some(click) = self
             .session
             .points
@@ -105,14 +105,14 @@ impl App {
     }
 
     /// Highlights a candidate in the list.
-    pub(super) fn highlight_name(&mut self, index: usize) {
+    pub(in crate::app::update) fn highlight_name(&mut self, index: usize) {
         if let Mode::Naming(naming) = &mut self.session.mode {
             naming.highlighted = index.min(naming.listed_candidates().len().saturating_sub(1));
         }
     }
 
     /// Gives the click the candidate at an index in the list.
-    pub(super) fn take_name(&mut self, index: usize) {
+    pub(in crate::app::update) fn take_name(&mut self, index: usize) {
         let Mode::Naming(naming) = &self.session.mode else {
             return;
         };
@@ -128,7 +128,7 @@ impl App {
     }
 
     /// Lists lines or landmarks; without an open list, sets what the next click is.
-    pub(super) fn list_lines(&mut self, lines: bool) {
+    pub(in crate::app::update) fn list_lines(&mut self, lines: bool) {
         if let Mode::Naming(naming) = &self.session.mode {
             let (click, refines, typed) = (naming.click, naming.refines, naming.typed.clone());
             if let Some(mut naming) = self.ranked_names(click, lines) {
@@ -143,7 +143,7 @@ impl App {
     /// Uses a name that the user chose elsewhere (on the map or in a panel). It goes to the click
     /// that waits for a name, otherwise to the selected click if that has none, otherwise to the
     /// next click in the picture. A landmark that is clicked already is selected.
-    pub(super) fn pick(&mut self, target: Target) {
+    pub(in crate::app::update) fn pick(&mut self, target: Target) {
         // A point that lacks a name comes first: the choice is most likely meant for it.
         let waiting = match &self.session.mode {
             Mode::Naming(naming) => Some(naming.click),
@@ -168,7 +168,7 @@ impl App {
     }
 
     /// Renames the clicks to the names that fit; one step of undo.
-    pub(super) fn mend_names(&mut self) {
+    pub(in crate::app::update) fn mend_names(&mut self) {
         let Some(found) = self.current.other_names() else {
             return;
         };
@@ -243,7 +243,7 @@ impl App {
 
     /// Gives a click a name; one step of undo. If another click has that landmark already, the two
     /// exchange their names, or the name is refused if this click has none to give.
-    pub(super) fn name_click(&mut self, click: usize, target: Target) {
+    pub(in crate::app::update) fn name_click(&mut self, click: usize, target: Target) {
         let Some(frame) = self.frame() else { return };
         if click >= frame.clicks.len() {
             return;

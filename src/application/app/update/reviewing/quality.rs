@@ -1,6 +1,6 @@
 //! The quality page: opening and closing it, its camera and its time axis.
 
-use super::App;
+use crate::app::App;
 use crate::app::Command;
 use crate::app::quality::{TimeAxis, zoom_span};
 use crate::app::window_state::session::Mode;
@@ -24,13 +24,13 @@ impl App {
     }
 
     /// Selects the camera of the page, and shows its whole time.
-    pub(super) fn set_quality_camera(&mut self, camera: CameraId) {
+    pub(in crate::app::update) fn set_quality_camera(&mut self, camera: CameraId) {
         self.session.quality.camera = Some(camera);
         self.session.quality.span = None;
     }
 
     /// Selects the unit of time, and shows the whole time.
-    pub(super) fn set_time_axis(&mut self, axis: TimeAxis) {
+    pub(in crate::app::update) fn set_time_axis(&mut self, axis: TimeAxis) {
         if self.session.quality.axis != axis {
             self.session.quality.axis = axis;
             self.session.quality.span = None;
@@ -38,13 +38,13 @@ impl App {
     }
 
     /// Shows a part of the time, or all of it. An invalid span counts as none.
-    pub(super) fn show_span(&mut self, span: Option<[f64; 2]>) {
+    pub(in crate::app::update) fn show_span(&mut self, span: Option<[f64; 2]>) {
         self.session.quality.span =
             span.filter(|[from, upto]| from.is_finite() && upto.is_finite() && from < upto);
     }
 
     /// Closes the page, and shows a frame and optionally one of its clicks.
-    pub(super) fn look_at(&mut self, frame: usize, click: Option<usize>) {
+    pub(in crate::app::update) fn look_at(&mut self, frame: usize, click: Option<usize>) {
         self.session.quality.open = false;
         self.go_to(frame);
         if click.is_some() {
@@ -54,7 +54,7 @@ impl App {
 
     /// Zooms the time axis around the shown frame, or around the centre if the frame is not
     /// visible.
-    pub(super) fn zoom_time(&mut self, command: Command) {
+    pub(in crate::app::update) fn zoom_time(&mut self, command: Command) {
         let course = &self.quality.course;
         let Some(whole) = course.whole else { return };
         let span = self.session.quality.span.unwrap_or(whole);

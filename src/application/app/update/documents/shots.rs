@@ -1,22 +1,22 @@
 //! Changes of the shots of a video, one cut at a time.
 
-use super::App;
+use crate::app::App;
 use crate::app::window_state::session::Level;
 use touchline_documents::document::{Document, ShotsError, VideoShots};
 
 impl App {
     /// Moves a cut of the shown frame's video. `cut` and `to` are frame numbers of the video.
-    pub(super) fn move_cut(&mut self, cut: u64, to: u64) {
+    pub(in crate::app::update) fn move_cut(&mut self, cut: u64, to: u64) {
         self.change_shots("Move cut", |shots, _, _| shots.move_cut(cut, to));
     }
 
     /// Starts a shot at the shown frame.
-    pub(super) fn add_cut(&mut self) {
+    pub(in crate::app::update) fn add_cut(&mut self) {
         self.change_shots("Cut before this frame", VideoShots::add);
     }
 
     /// Joins the shown frame's shot with the one before it.
-    pub(super) fn remove_cut(&mut self) {
+    pub(in crate::app::update) fn remove_cut(&mut self) {
         self.change_shots("Join with previous shot", |shots, _, here| {
             let start = shots.start_of(here);
             shots.remove(start)
@@ -34,7 +34,7 @@ impl App {
 
     /// Shows the first frame of the next shot. Backwards: the first frame of this shot, or of the
     /// one before if this is shown already.
-    pub(super) fn go_to_shot(&mut self, forward: bool) {
+    pub(in crate::app::update) fn go_to_shot(&mut self, forward: bool) {
         let (Some(shots), Some(open)) = (self.shots(), &self.open) else {
             return;
         };
@@ -59,7 +59,7 @@ impl App {
     }
 
     /// Moves the cut that is nearest to the shown frame there.
-    pub(super) fn move_cut_here(&mut self) {
+    pub(in crate::app::update) fn move_cut_here(&mut self) {
         self.change_shots("Move the cut here", |shots, _, here| {
             let cuts = shots.starts().skip(1).map(|(from, _)| from);
             let nearest = cuts

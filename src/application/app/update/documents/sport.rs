@@ -1,6 +1,6 @@
 //! The sport: selects the field of the shown frame's camera.
 
-use super::App;
+use crate::app::App;
 use crate::app::window_state::session::Level;
 use touchline_core::field::builtin;
 use touchline_documents::document::{CROWN, FieldSpec};
@@ -30,7 +30,7 @@ impl App {
     }
 
     /// Replaces the shown frame's field by that of another sport; one step of undo.
-    pub(super) fn choose_sport(&mut self, template: &str) {
+    pub(in crate::app::update) fn choose_sport(&mut self, template: &str) {
         self.session.dialog = None;
         self.session.sport_guess = None;
         let Some(spec) = self

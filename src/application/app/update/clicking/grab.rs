@@ -4,7 +4,7 @@
 //! is given up, and the drawn landmark or line itself follows the pointer as a click with its name.
 //! The frame is solved with each movement, so that the whole overlay follows.
 
-use super::App;
+use crate::app::App;
 use crate::app::Tool;
 use crate::app::window_state::session::Mode;
 use crate::scene::drawn_element::{DrawnElement, ElementReach, element_at};
@@ -47,7 +47,7 @@ impl App {
 
     /// The button went down on a drawn landmark or line: a point is placed. It is given up when
     /// the pointer moves.
-    pub(super) fn grab(&mut self, at: ImagePoint, element: Target) {
+    pub(in crate::app::update) fn grab(&mut self, at: ImagePoint, element: Target) {
         // A press that placed no point grabs nothing.
         self.press(at, None);
         if matches!(self.session.mode, Mode::Dragging { placed: true, .. }) {

@@ -1,6 +1,6 @@
 //! Places, moves and removes clicks.
 
-use super::App;
+use crate::app::App;
 use crate::app::Tool;
 use crate::app::window_state::session::{Level, Mode};
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -9,7 +9,7 @@ use touchline_documents::document::{Click, FrameStatus};
 impl App {
     /// Handles the pressed button at `at` (px of the picture), over the click `on` if any. During a
     /// blind round it places a blind click.
-    pub(super) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
+    pub(in crate::app::update) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
         if self.round().is_some() {
             self.hold_again(at, true);
             return;
@@ -97,7 +97,7 @@ impl App {
     }
 
     /// Handles the pointer moved with the button down.
-    pub(super) fn drag(&mut self, to: ImagePoint) {
+    pub(in crate::app::update) fn drag(&mut self, to: ImagePoint) {
         if self.round().is_some() {
             self.hold_again(to, false);
             return;
@@ -118,7 +118,7 @@ impl App {
 
     /// Handles the released button. With `exactly` the point stays there, even if its landmark is
     /// painted nearby.
-    pub(super) fn release(&mut self, exactly: bool) {
+    pub(in crate::app::update) fn release(&mut self, exactly: bool) {
         if self.round().is_some() {
             self.release_again();
             return;
@@ -165,13 +165,13 @@ impl App {
     }
 
     /// Selects a click, or none.
-    pub(super) fn select(&mut self, click: Option<usize>) {
+    pub(in crate::app::update) fn select(&mut self, click: Option<usize>) {
         self.session.points.selected = click;
         self.clamp_selection();
     }
 
     /// Moves the selected click. While the key is `held` down, all movements form one step of undo.
-    pub(super) fn nudge(&mut self, dx_px: f64, dy_px: f64, held: bool) {
+    pub(in crate::app::update) fn nudge(&mut self, dx_px: f64, dy_px: f64, held: bool) {
         let Some(click) = self.session.points.selected else {
             return;
         };
@@ -196,7 +196,7 @@ impl App {
     }
 
     /// Removes a click; one step of undo.
-    pub(super) fn delete_click(&mut self, click: usize) {
+    pub(in crate::app::update) fn delete_click(&mut self, click: usize) {
         if self.frame().is_none_or(|frame| click >= frame.clicks.len()) {
             return;
         }
@@ -215,7 +215,7 @@ impl App {
 
     /// Makes a click a check click, which is held out of the solve, or a normal one; one step of
     /// undo.
-    pub(super) fn set_check(&mut self, click: usize, check: bool) {
+    pub(in crate::app::update) fn set_check(&mut self, click: usize, check: bool) {
         let name = self.click_name(click);
         let step = if check {
             format!("Make {name} a check point")
@@ -235,7 +235,7 @@ impl App {
     }
 
     /// Selects the next or previous click of the frame, cyclically.
-    pub(super) fn step_click(&mut self, forward: bool) {
+    pub(in crate::app::update) fn step_click(&mut self, forward: bool) {
         let count = self.frame().map_or(0, |frame| frame.clicks.len());
         if count == 0 {
             return;

@@ -1,6 +1,6 @@
 //! Assigns frames to cameras, and starts a new camera where one stops fitting.
 
-use super::App;
+use crate::app::App;
 use crate::app::CameraChoice;
 use crate::app::Command;
 use crate::app::project::selection::{Scope, Selecting, after_click};
@@ -11,7 +11,7 @@ use touchline_documents::document::Step;
 
 impl App {
     /// Changes the selection on the filmstrip after a click on a frame.
-    pub(super) fn select_frame(&mut self, frame: usize, how: Selecting) {
+    pub(in crate::app::update) fn select_frame(&mut self, frame: usize, how: Selecting) {
         if let Some(open) = self
             .open
             .as_ref()
@@ -22,7 +22,7 @@ impl App {
     }
 
     /// Selects all frames of the shown shot.
-    pub(super) fn select_shot(&mut self) {
+    pub(in crate::app::update) fn select_shot(&mut self) {
         let Some(open) = &self.open else { return };
         let frames = Scope::Shot.frames(open, &self.session);
         if frames.len() < 2 {
@@ -34,7 +34,7 @@ impl App {
     }
 
     /// Opens the dialog that assigns frames to a camera, with the selected frames if there are any.
-    pub(super) fn ask_camera(&mut self) {
+    pub(in crate::app::update) fn ask_camera(&mut self) {
         let scope = if self.session.frames_selected.is_empty() {
             Scope::Frame
         } else {
@@ -44,7 +44,7 @@ impl App {
     }
 
     /// Assigns the frames of a scope to a camera; one step of undo.
-    pub(super) fn assign_to_camera(&mut self, scope: Scope, choice: &CameraChoice) {
+    pub(in crate::app::update) fn assign_to_camera(&mut self, scope: Scope, choice: &CameraChoice) {
         let Some(open) = &self.open else { return };
         let frames = scope.frames(open, &self.session);
         let Some(like) = self.camera_id().cloned().filter(|_| !frames.is_empty()) else {
@@ -91,7 +91,7 @@ impl App {
 
     /// Assigns the frames that the shown frame's camera no longer fits to a new camera; one step of
     /// undo.
-    pub(super) fn new_camera_from_change(&mut self) {
+    pub(in crate::app::update) fn new_camera_from_change(&mut self) {
         let (Some(change), Some(open)) = (self.camera_change(), &self.open) else {
             return;
         };

@@ -4,7 +4,7 @@
 //! and [`App::end_edit`] closes it. An edit outside of such a step is a step of its own. During the
 //! step only the shown frame is solved again; all other frames follow at its end.
 
-use super::{App, solve_in_place};
+use crate::app::update::{App, solve_in_place};
 use crate::app::window_state::session::{Level, Mode};
 use crate::app::{Command, OpenProject};
 use touchline_calibration::calibrate::{BulkChange, is_by_clicks};
@@ -15,7 +15,7 @@ use touchline_documents::document::{
 
 impl App {
     /// Opens a step of undo for a series of edits.
-    pub(super) fn begin_edit(&mut self, name: &'static str) {
+    pub(in crate::app::update) fn begin_edit(&mut self, name: &'static str) {
         if self.begin(name) {
             self.session.mode = Mode::Editing;
         }
@@ -37,7 +37,7 @@ impl App {
     }
 
     /// Sets pan, tilt and focal length of the shown frame by hand.
-    pub(super) fn edit_ptz(&mut self, ptz: Ptz) {
+    pub(in crate::app::update) fn edit_ptz(&mut self, ptz: Ptz) {
         if !ptz.is_finite() {
             return;
         }
@@ -76,7 +76,7 @@ impl App {
     }
 
     /// Changes a camera. Returns false, with a message, if that is impossible now.
-    pub(super) fn edit_camera(&mut self, camera: Camera) -> bool {
+    pub(in crate::app::update) fn edit_camera(&mut self, camera: Camera) -> bool {
         if camera.position_m.is_some() != camera.base_from_world.is_some()
             && self.session.mode != Mode::Editing
         {
@@ -97,7 +97,7 @@ impl App {
 
     /// Changes the field of the shown frame: its camera's own, or the document's. Returns false,
     /// with a message, if that is impossible now.
-    pub(super) fn edit_field(&mut self, field: FieldSpec) -> bool {
+    pub(in crate::app::update) fn edit_field(&mut self, field: FieldSpec) -> bool {
         self.within_edit(Step::on_document("Change field"), |app| {
             let shown = app.session.frame;
             let Some(open) = &mut app.open else { return };
@@ -112,7 +112,7 @@ impl App {
     }
 
     /// Ends a series of edits: [`Self::commit_edits`].
-    pub(super) fn end_edit(&mut self) -> bool {
+    pub(in crate::app::update) fn end_edit(&mut self) -> bool {
         if self.session.mode != Mode::Editing {
             return true;
         }
@@ -122,7 +122,7 @@ impl App {
 
     /// Commits the open step. If a camera or the field changed in it, solves all frames from clicks
     /// again. Returns false, with a message, if that is impossible now; the step is then undone.
-    pub(super) fn commit_edits(&mut self) -> bool {
+    pub(in crate::app::update) fn commit_edits(&mut self) -> bool {
         // `history.before` is the document at the beginning of the step.
         let changed = self.open.as_ref().and_then(|open| {
             let before = open.history.before()?;
@@ -145,7 +145,7 @@ impl App {
     }
 
     /// Confirms the size of the shown frame's field; one step of undo.
-    pub(super) fn confirm_field_size(&mut self) {
+    pub(in crate::app::update) fn confirm_field_size(&mut self) {
         let Some(spec) = self.shown_field_spec().cloned() else {
             return;
         };
@@ -186,7 +186,7 @@ impl App {
     }
 
     /// Solves the shown frame from its clicks again, in place of numbers set by hand.
-    pub(super) fn solve_again(&mut self) {
+    pub(in crate::app::update) fn solve_again(&mut self) {
         if self.begin("Solve again") {
             if let Some(frame) = self.frame_mut() {
                 frame.solution = None;
@@ -197,7 +197,7 @@ impl App {
     }
 
     /// Uses the other focal length that fits two clicks.
-    pub(super) fn switch_root(&mut self) {
+    pub(in crate::app::update) fn switch_root(&mut self) {
         let Some(other) = self.current.other_root() else {
             self.session
                 .notify(Level::Info, "Only one focal length fits these points.");
@@ -208,7 +208,7 @@ impl App {
 
     /// Copies the base of another document's camera to the shown frame's camera, and solves its
     /// frames with it.
-    pub(super) fn camera_loaded(&mut self, loaded: &Camera) {
+    pub(in crate::app::update) fn camera_loaded(&mut self, loaded: &Camera) {
         let Some(known) = self.frame().map(|frame| frame.camera.clone()) else {
             return;
         };

@@ -1,7 +1,7 @@
 //! Masks: boxes in which no features are detected. They belong to a frame, to a camera, or to a
 //! camera with a range of frames.
 
-use super::App;
+use crate::app::App;
 use crate::app::window_state::choices::{MaskList, MaskScope, Scope};
 use crate::app::window_state::session::Level;
 use touchline_core::geometry::PixelBox;
@@ -12,7 +12,7 @@ const SMALLEST_MASK_PX: f64 = 3.0;
 
 impl App {
     /// Adds a mask to the shown frame or to its camera; one step of undo.
-    pub(super) fn add_mask(&mut self, of_camera: bool, mask: PixelBox) {
+    pub(in crate::app::update) fn add_mask(&mut self, of_camera: bool, mask: PixelBox) {
         if !(mask.width >= SMALLEST_MASK_PX && mask.height >= SMALLEST_MASK_PX) {
             return;
         }
@@ -35,7 +35,7 @@ impl App {
     }
 
     /// Removes a mask of the shown frame; one step of undo.
-    pub(super) fn remove_mask(&mut self, list: MaskList, index: usize) {
+    pub(in crate::app::update) fn remove_mask(&mut self, list: MaskList, index: usize) {
         let step = match list {
             MaskList::Frame => self.step_at("Remove mask", self.session.frame),
             MaskList::Camera | MaskList::Ranged => Step::on_document("Remove mask"),
@@ -64,7 +64,12 @@ impl App {
     }
 
     /// Changes the frames that a mask covers; one step of undo.
-    pub(super) fn scope_mask(&mut self, list: MaskList, index: usize, scope: MaskScope) {
+    pub(in crate::app::update) fn scope_mask(
+        &mut self,
+        list: MaskList,
+        index: usize,
+        scope: MaskScope,
+    ) {
         if let Some(reason) = self.why_not_scope(scope) {
             self.session.notify(Level::Info, reason);
             return;
