@@ -6,72 +6,40 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the window, its repaint cycle and layout | `window`, `shell`, `layout`, `resizing` |
-//! | keys and their order | `input_queue`, `keys`, `typing`, `rejecting` |
-//! | the picture and what is drawn over it | `viewport`, `overlay`, `labels`, `masks` |
-//! | naming and placing a click | `naming`, `loupe` |
-//! | pictures, conversion of coordinates, the renderer | `pictures`, `placement`, `canvas` |
-//! | the column of tools and panels | `tools` |
+//! | the window, its repaint cycle, layout, keys and file dialogs | `main_window` |
+//! | the picture, what is clicked in it and how a click is named | `picture` |
+//! | pictures on the screen, conversion of coordinates, the renderer | `drawing` |
+//! | rows and strips around the picture, and the column of tools | `rows` |
 //! | side panels | `inspector`, `camera_panel`, `trainer`, `review`, `reclick` |
-//! | rows and strips | `menu`, `tour`, `timeline`, `filmstrip`, `notices`, `status` |
 //! | in place of the picture | `quality`, `start` |
-//! | above everything | `dialogs`, `files` (the system's file dialogs) |
-//! | maps and plots that several panels use | `field_map`, `coverage_map`, `paint_map`, `miniature`, `plot` |
-//! | controls that several panels use | `bar`, `heading`, `number`, `symbol`, `theme` |
+//! | above everything | `dialogs` |
+//! | maps and plots that several panels use | `maps` |
+//! | controls that several panels use | `controls` |
 //!
 //! A *frame* is a picture of the document; a repaint of the window is called a *frame of the
 //! window*. Lengths on the screen are in egui's points, lengths in a picture in px.
 
-mod bar;
 mod camera_panel;
-mod canvas;
-mod coverage_map;
+mod controls;
 mod dialogs;
-mod field_map;
-mod files;
-mod filmstrip;
-mod heading;
-mod input_queue;
+mod drawing;
 mod inspector;
-mod keys;
-mod labels;
-mod layout;
-mod loupe;
-mod masks;
-mod menu;
-mod miniature;
-mod naming;
-mod notices;
-mod number;
-mod overlay;
-mod paint_map;
-mod pictures;
-mod placement;
-mod plot;
+mod main_window;
+mod maps;
+mod picture;
 mod quality;
 mod reclick;
-mod rejecting;
-mod resizing;
 mod review;
-mod shell;
+mod rows;
 mod start;
-mod status;
-mod symbol;
-mod theme;
-mod timeline;
-mod tools;
-mod tour;
 mod trainer;
-mod typing;
-mod viewport;
-mod window;
 
-pub use layout::{read, show};
-pub use pictures::Pictures;
-pub use shell::Shell;
-pub use theme::apply as apply_theme;
+pub use controls::theme::apply as apply_theme;
+pub use drawing::pictures::Pictures;
+pub use main_window::layout::{read, show};
+pub use main_window::shell::Shell;
+pub use main_window::window::{WindowError, run, say_in_dialog};
 pub use touchline_application::jobs::PictureState;
-pub use window::{WindowError, run, say_in_dialog};
 
 use egui::{Button, Response, Ui};
 use touchline_application::app::session::Dialog;

@@ -1,10 +1,10 @@
 //! The side panel during a blind round: the landmark to click, its place on the field, and the
 //! progress.
 
-use super::{
-    Panel, field_map, key_in_brackets,
-    theme::{self, Themed as _},
-};
+use super::{Panel, key_in_brackets};
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::field_map;
 use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
 use touchline_application::app::{Action, Command};
 use touchline_documents::document::Target;

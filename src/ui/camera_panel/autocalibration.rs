@@ -2,10 +2,9 @@
 //! answers.
 
 use super::section;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Label, ProgressBar, RichText, Ui};
 use touchline_application::app::Command;
 use touchline_application::app::operations::UnderWay;

@@ -1,10 +1,9 @@
 //! Estimating the camera's base from clicks: what is needed, the progress, the result.
 
 use super::{evidence, section};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
 use touchline_application::app::operations::base_estimate::EstimateProgress;
 use touchline_application::app::{Action, Command, Keymap};

@@ -6,13 +6,13 @@
 
 use super::position_view;
 use super::{remark, section};
-use crate::ui::bar::Bar;
-use crate::ui::menu::file_name;
-use crate::ui::symbol::{self, Symbol};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::bar::Bar;
+use crate::ui::controls::symbol;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::rows::menu::file_name;
 use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
 use touchline_application::app::{Action, EditAction};
 use touchline_calibration::calibrate::EstimatedBase;

@@ -2,12 +2,11 @@
 //! confirmed, and to which edge of the painted lines the size refers.
 
 use super::{numbers, remark, section};
-use crate::ui::field_map::sport_title;
-use crate::ui::number::{Number, shortest};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::number::{Number, shortest};
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::field_map::sport_title;
 use egui::{
     Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui,
     WidgetInfo, pos2, vec2,

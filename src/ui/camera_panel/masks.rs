@@ -1,8 +1,10 @@
 //! The list of masks: boxes of the picture, px, that are excluded from feature detection.
 
 use super::section;
-use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::Panel;
+use crate::ui::controls::symbol;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Align, Button, Layout, RichText, Ui};
 use touchline_application::app::{Action, Command, EditAction, MaskList, MaskScope, Tool};
 use touchline_core::geometry::PixelBox;

@@ -13,13 +13,14 @@ mod numbers;
 mod over_time;
 mod position_view;
 
-use super::heading::Heading;
-use super::symbol::{self, Symbol};
-use super::theme::section;
-use super::{
-    Panel, inspector, paint_map,
-    theme::{self, Themed as _},
-};
+use super::{Panel, inspector};
+use crate::ui::controls::heading::Heading;
+use crate::ui::controls::symbol;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::section;
+use crate::ui::maps::paint_map;
 use egui::{Button, Frame, Label, Margin, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::{Action, Command, EditAction};
 use touchline_core::camera::BaseAngles;

@@ -2,11 +2,10 @@
 //! stops fitting, for example because it was moved. A click shows the nearest frame.
 
 use super::{remark, section};
-use crate::ui::plot::{Plot, small};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::plot::{Plot, small};
 use egui::{Align2, Button, CornerRadius, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::Command;
 use touchline_documents::document::{Camera, Frame};

@@ -2,7 +2,8 @@
 //! uncertainty, and where its frames look.
 
 use super::section;
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::Panel;
+use crate::ui::controls::theme::Themed as _;
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
     vec2,

@@ -1,10 +1,9 @@
 //! Version, licence, citation, and a report for bug reports.
 
 use super::sheet;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Context, Label, RichText, vec2};
 use std::fmt::Write as _;
 use touchline_application::app::App;

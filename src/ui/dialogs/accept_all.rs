@@ -2,10 +2,10 @@
 //! many of them are wrong or left and why, and a look at the doubtful ones and at samples.
 
 use super::{cancel, has_just_opened, sheet};
-use crate::ui::{
-    Panel, miniature, review,
-    theme::{self, Themed as _},
-};
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::miniature;
+use crate::ui::{Panel, review};
 use egui::{
     Align, Align2, Button, Checkbox, Context, FontId, Id, Label, Layout, Rect, RichText, Role,
     ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo, vec2,

@@ -1,10 +1,9 @@
 //! Assigning frames to the camera that took them: one of the document's, or a new one.
 
 use super::{has_just_opened, sheet};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Context, Id, Label, RichText, ScrollArea, TextEdit, Ui, vec2};
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{Action, CameraChoice, EditAction, Navigation};

@@ -1,10 +1,9 @@
 //! Choosing which version to keep after another program has changed the document.
 
 use super::{closing_button, sheet};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Context, Label, RichText, vec2};
 use touchline_application::app::{Action, Command, OutsideChoice};
 

@@ -1,11 +1,10 @@
 //! Editing the comment on the shown frame.
 
 use super::{cancel, has_just_opened, sheet};
-use crate::ui::menu::file_name;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::rows::menu::file_name;
 use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
 use touchline_application::app::{Action, EditAction};
 use touchline_documents::document::Frame;

@@ -2,10 +2,10 @@
 //! at a glance whether the camera is right, and what comes next.
 
 use super::{closing_button, sheet};
-use crate::ui::{
-    Panel, paint_map,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::paint_map;
 use egui::{Button, Context, Label, vec2};
 use std::time::Duration;
 use touchline_application::app::operations::describe_found;

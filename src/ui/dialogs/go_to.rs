@@ -1,10 +1,9 @@
 //! Going to a frame by its number or by a time of the video.
 
 use super::{has_just_opened, sheet};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Context, Id, Key, RichText, TextEdit, vec2};
 use touchline_application::app::place::FrameOrTime;
 use touchline_application::app::{Action, Navigation, sentence};

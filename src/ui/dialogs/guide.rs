@@ -4,11 +4,10 @@
 //! and marked words. Each paragraph is one line.
 
 use super::sheet;
-use crate::ui::pictures::decode_texture;
-use crate::ui::{
-    Panel,
-    theme::{self, Palette, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::{Palette, Themed as _};
+use crate::ui::drawing::pictures::decode_texture;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
     Button, Context, FontFamily, FontId, Id, Image, Label, RichText, Role, ScrollArea,

@@ -1,10 +1,10 @@
 //! All messages since the program was started, the latest first.
 
 use super::sheet;
-use crate::ui::{
-    Panel, notices, symbol,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
+use crate::ui::rows::notices;
 use egui::{Button, Context, Label, RichText, ScrollArea, vec2};
 use touchline_application::app::Command;
 

@@ -28,12 +28,10 @@ mod transfer;
 
 pub use keys::captures_keys;
 
-use super::{
-    Panel, key_in_brackets,
-    menu::is_on,
-    symbol,
-    theme::{self, Themed as _},
-};
+use super::{Panel, key_in_brackets};
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
+use crate::ui::rows::menu::is_on;
 use egui::{
     Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText,
     Sense, Ui, Vec2, vec2,

@@ -1,10 +1,9 @@
 //! The warning before unsaved edits are lost by closing or opening.
 
 use super::{cancel, closing_button, sheet};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
 use touchline_application::app::session::{Leaving, Saving};
 use touchline_application::app::{Action, Command};

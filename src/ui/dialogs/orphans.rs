@@ -2,10 +2,9 @@
 //! or saved as a document of their own.
 
 use super::sheet;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Context, Label, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::Action;
 use touchline_documents::store::Orphan;

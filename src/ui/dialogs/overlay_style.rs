@@ -1,7 +1,8 @@
 //! Colour, width and opacity of the field's lines. The picture stays in view and follows at once.
 
 use super::{floating, swatches};
-use crate::ui::{Panel, theme};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
 use egui::{Button, Context, Grid, Slider, Ui};
 use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::{OverlayStyle, Sport};

@@ -1,11 +1,10 @@
 //! The command palette: every command, found by typing.
 
 use super::{curtain, fuzzy, has_just_opened};
-use crate::ui::{
-    Panel,
-    labels::lay_out_within,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::drawing::labels::lay_out_within;
 use egui::{
     Align2, Area, Context, CornerRadius, FontId, Frame, Id, Key, Margin, Modifiers, Order, Role,
     ScrollArea, Sense, TextEdit, Ui, WidgetInfo, pos2, vec2,

@@ -1,10 +1,9 @@
 //! A field for typing a path, for systems without file dialogs.
 
 use super::{cancel, has_just_opened, sheet};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
 use std::path::PathBuf;
 use touchline_application::app::{Action, Question};

@@ -1,10 +1,9 @@
 //! Brightness, contrast and gamma of the picture. The picture stays in view and follows at once.
 
 use super::floating;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Context, Grid, RichText, Slider};
 use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::PictureLook;

@@ -1,10 +1,9 @@
 //! All settings of the user, as opposed to those of a project.
 
 use super::{sheet, swatches};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Context, Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
 use touchline_application::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
 use touchline_application::app::{Action, Command, SettingsAction};

@@ -1,11 +1,10 @@
 //! The choice of the sport, by drawings of the fields.
 
 use super::{has_just_opened, sheet};
-use crate::ui::labels::{PlateStyle, plate};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::drawing::labels::{PlateStyle, plate};
 use egui::{
     Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role,
     ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,

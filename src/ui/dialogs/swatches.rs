@@ -1,7 +1,8 @@
 //! A row of colours for lines. Those that can be distinguished from the sport's ground with every
 //! kind of colour vision come first and are underlined.
 
-use crate::ui::theme::{self, Themed as _};
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{
     Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };

@@ -1,8 +1,10 @@
 //! The main button: it makes the frame a reference, or opens the sheet for the selected frames;
 //! while an estimated base waits for a decision it takes that base.
 
-use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::Panel;
+use crate::ui::controls::symbol;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme::Themed as _;
 use egui::{
     Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,
     WidgetInfo, vec2,

@@ -1,11 +1,11 @@
 //! The details of a frame: uncertainties, residuals, the second root, the base, every warning. They
 //! are collapsed by default.
 
-use crate::ui::symbol::{self, Symbol};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::symbol;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::camera_text::CameraText;
 use touchline_application::app::review::percent;

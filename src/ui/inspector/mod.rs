@@ -12,10 +12,10 @@ mod verdict;
 /// Shows the main button, for other panels.
 pub use accept::show as accept;
 
-use super::{
-    Panel, field_map,
-    theme::{self, Themed as _},
-};
+use super::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::field_map;
 use egui::{Frame, Margin, ScrollArea, Sense, Ui, vec2};
 
 /// Minimum height below the list of points, for the solution and the collapsed details, points.

@@ -1,10 +1,9 @@
 //! Pan, tilt, focal length and field of view of the shown frame. They can be dragged or typed.
 
-use crate::ui::number::Number;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::number::Number;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Align, Button, Layout, RichText, Ui};
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::camera::Ptz;

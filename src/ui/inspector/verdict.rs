@@ -3,11 +3,11 @@
 //! Further warnings are only counted here; the details list them. Below the verdict stand the line
 //! check and the switch for training.
 
-use crate::ui::symbol::{self, Symbol};
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::symbol;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Label, RichText, Ui};
 use touchline_application::app::review::percent;
 use touchline_application::app::selection::Scope;

@@ -7,12 +7,11 @@
 
 use super::time::time_ticks;
 use super::{card, legend};
-use crate::ui::menu::file_name;
-use crate::ui::plot::Plot;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::plot::Plot;
+use crate::ui::rows::menu::file_name;
 use egui::{
     Button, CornerRadius, CursorIcon, Label, Painter, Pos2, Rect, Response, RichText, Role, Sense,
     Shape, Stroke, Ui, WidgetInfo, pos2, vec2,

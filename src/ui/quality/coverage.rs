@@ -2,12 +2,11 @@
 //! frame.
 
 use super::{card, legend};
-use crate::ui::coverage_map::{CoverageMap, coverage_colour, label_next, missing};
-use crate::ui::menu::file_name;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::coverage_map::{CoverageMap, coverage_colour, label_next, missing};
+use crate::ui::rows::menu::file_name;
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
 use touchline_application::app::quality::{CoursePoint, CoverageComparison, PointKind};
 use touchline_application::app::where_to_label::whole_degrees;

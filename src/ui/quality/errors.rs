@@ -4,11 +4,10 @@
 //! projects its landmark or line.
 
 use super::{card, legend};
-use crate::ui::plot::Plot;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::plot::Plot;
 use egui::{
     CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,
     WidgetInfo, pos2, vec2,

@@ -5,11 +5,10 @@
 
 use super::card;
 use super::scatter::Scatter;
-use crate::ui::bar::Bar;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::bar::Bar;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Label, RichText, Ui, vec2};
 use touchline_application::app::Command;
 use touchline_calibration::calibrate::OwnNoise;

@@ -1,6 +1,6 @@
 //! Marks and colours of the three kinds of frames, for the plots of the page and their legends.
 
-use crate::ui::theme::{Palette, Themed as _};
+use crate::ui::controls::theme::{Palette, Themed as _};
 use egui::{
     Color32, CornerRadius, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind,
     TextStyle, Ui, WidgetInfo, pos2, vec2,

@@ -23,11 +23,10 @@ mod scatter;
 mod targets;
 mod time;
 
-use super::heading::Heading;
-use super::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use super::Panel;
+use crate::ui::controls::heading::Heading;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::layers::ShapeIdx;
 use egui::{Align, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
 use touchline_application::app::{Action, Command, ViewAction};

@@ -1,7 +1,7 @@
 //! A scatter plot of the offsets between two clicks on the same point of the picture. A dot can be
 //! pointed at and clicked.
 
-use crate::ui::theme::Themed as _;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 use touchline_core::geometry::Vec2;
 use touchline_core::geometry::quantile;

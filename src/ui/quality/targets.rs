@@ -5,12 +5,11 @@
 
 use super::card;
 use super::errors::{describe_most, px};
-use crate::ui::bar::Bar;
-use crate::ui::menu::file_name;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::bar::Bar;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::rows::menu::file_name;
 use egui::{Button, Id, RichText, Ui};
 use touchline_application::app::quality::TargetErrors;
 use touchline_core::geometry::pluralise;

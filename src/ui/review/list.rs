@@ -5,13 +5,13 @@
 //! therefore keeps the order, and new suggestions come last. Otherwise the list scrolls so that the
 //! row of the shown frame keeps its place.
 
-use crate::ui::menu::{self, file_name};
-use crate::ui::{
-    Panel,
-    labels::lay_out_within,
-    miniature,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::drawing::labels::lay_out_within;
+use crate::ui::maps::miniature;
+use crate::ui::rows::menu;
+use crate::ui::rows::menu::file_name;
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui,
     WidgetInfo, pos2, vec2,

@@ -3,12 +3,12 @@
 
 mod list;
 
-use super::heading::Heading;
-use super::symbol::{self, Symbol};
-use super::{
-    Panel, inspector,
-    theme::{self, Themed as _},
-};
+use super::{Panel, inspector};
+use crate::ui::controls::heading::Heading;
+use crate::ui::controls::symbol;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Button, DragValue, Frame, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Action, Command, ViewAction};

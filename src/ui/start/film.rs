@@ -1,9 +1,10 @@
 //! The moving picture of the start page: two clicks on a frame of the demo match, and the field's
 //! lines where the camera that was solved from them projects them.
 
-use crate::ui::labels::{PlateStyle, plate};
-use crate::ui::pictures::{WHOLE, decode_texture};
-use crate::ui::theme::{self, Themed as _};
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::drawing::labels::{PlateStyle, plate};
+use crate::ui::drawing::pictures::{WHOLE, decode_texture};
 use egui::{
     Align2, Color32, Context, CornerRadius, FontId, Id, Painter, Pos2, Rect, Sense, Shape, Stroke,
     TextureHandle, Ui, Vec2, WidgetInfo, pos2, vec2,

@@ -5,12 +5,11 @@
 mod film;
 mod recent;
 
-use super::{
-    Panel,
-    menu::document_name,
-    symbol::{self, Symbol},
-    theme::{self, Themed as _},
-};
+use super::Panel;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
+use crate::ui::rows::menu::document_name;
 use egui::{
     Align, Button, Id, Key, Layout, Margin, Rect, RichText, ScrollArea, TextEdit, Ui, UiBuilder,
     vec2,

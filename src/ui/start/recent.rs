@@ -1,11 +1,10 @@
 //! The documents that were opened last, each with its first picture.
 
-use crate::ui::{
-    Panel,
-    labels::lay_out_within,
-    menu::document_name,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::drawing::labels::lay_out_within;
+use crate::ui::rows::menu::document_name;
 use egui::{Color32, CornerRadius, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::{Action, settings::RecentDocument};
 

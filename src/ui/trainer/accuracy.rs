@@ -1,10 +1,9 @@
 //! The accuracy of the forest, measured on references that were left out of its training.
 
 use super::place_and_name;
-use crate::ui::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use crate::ui::Panel;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{
     Color32, Galley, Label, RichText, Sense, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText,
     vec2,

@@ -1,8 +1,9 @@
 //! A map over pan and tilt: where references look, which of them the forest finds again, and where
 //! a label helps most.
 
-use crate::ui::coverage_map::{CoverageMap, label_next, missing};
-use crate::ui::{Panel, theme::Themed as _};
+use crate::ui::Panel;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::coverage_map::{CoverageMap, label_next, missing};
 use egui::{Label, Sense, Stroke, Ui};
 use touchline_calibration::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
 

@@ -4,14 +4,14 @@
 mod accuracy;
 mod map;
 
-use super::heading::Heading;
-use super::menu::file_name;
-use super::symbol::{self, Symbol};
-use super::theme::section;
-use super::{
-    Panel,
-    theme::{self, Themed as _},
-};
+use super::Panel;
+use crate::ui::controls::heading::Heading;
+use crate::ui::controls::symbol;
+use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::section;
+use crate::ui::rows::menu::file_name;
 use egui::{
     Button, Checkbox, Color32, Frame, Grid, Label, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };

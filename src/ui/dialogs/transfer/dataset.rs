@@ -3,7 +3,7 @@
 use super::frames::frames;
 use super::parts::{cameras_of, line, notes, show_left_out_frames};
 use crate::ui::Panel;
-use crate::ui::theme::Themed as _;
+use crate::ui::controls::theme::Themed as _;
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 use touchline_application::app::Action;
 use touchline_application::app::transfer::{PreviewResult, TransferAction, describe_bytes};

@@ -5,7 +5,8 @@ use super::frames::frames;
 use super::options::{export_options, import_options};
 use super::parts::{cameras_of, fact, line, notes, show_left_out_frames};
 use crate::ui::Panel;
-use crate::ui::theme::{self, Themed as _};
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Align, Button, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
 use touchline_application::app::transfer::{
     PreviewResult, TransferAction, describe_survey, in_dialog,

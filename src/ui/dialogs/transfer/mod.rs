@@ -10,7 +10,7 @@ mod typed;
 
 use super::{cancel, sheet};
 use crate::ui::Panel;
-use crate::ui::theme::Themed as _;
+use crate::ui::controls::theme::Themed as _;
 use egui::{
     Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2,
 };

@@ -1,6 +1,7 @@
 //! Parts that the pages of the dialog share.
 
-use crate::ui::theme::{self, Themed as _};
+use crate::ui::controls::theme;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Color32, RichText, Ui};
 use touchline_application::app::App;
 use touchline_application::app::transfer::{PreviewResult, TransferState, in_dialog};

@@ -1,7 +1,7 @@
 //! A field for an optional value that is typed. A text that cannot be read stays in the field, with
 //! an example beside it.
 
-use crate::ui::theme::Themed as _;
+use crate::ui::controls::theme::Themed as _;
 use egui::{Id, RichText, TextEdit, Ui};
 
 /// A field for an optional typed value.

@@ -1,0 +1,180 @@
+//! The layout of the window.
+//!
+//! From top to bottom: menu row, tour, picture, timeline, filmstrip, row of messages, status row.
+//! The column of tools is to the left of picture, timeline and filmstrip, the side panel to their
+//! right. The quality page takes the place of all but the column.
+
+use super::keys;
+use super::resizing::{Edge, Resized};
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::picture::{rejecting, typing, viewport};
+use crate::ui::rows::{filmstrip, menu, notices, status, timeline, tools, tour};
+use crate::ui::{
+    Panel, camera_panel, dialogs, inspector, quality, reclick, review, start, trainer,
+};
+use egui::{Frame, Margin, Ui, Vec2};
+use touchline_application::app::session::SidePanel;
+use touchline_application::app::{Action, SettingsAction};
+
+/// Height of the menu row, the row of messages and the status row, points.
+const ROW: f32 = 24.0;
+/// Width of the window from which the default sizes of the panels are larger, points.
+const WIDE: f32 = 1800.0;
+
+/// Minimum size of the picture, points. It limits the sizes of the panels.
+const LEAST_PICTURE: [f32; 2] = [480.0, 260.0];
+
+/// Size of what stands around the picture beside the panels whose edges can be dragged, points: the
+/// column of tools; the three rows and the timeline.
+const FIXED: [f32; 2] = [tools::WIDTH, 3.0 * ROW + timeline::HEIGHT];
+
+/// Stores the sizes of panels that were dragged, in the settings. The edges are side panel and
+/// filmstrip.
+fn store_panel_sizes(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>; 2]) {
+    let side = size_to_store(edges[0], remembered[0]);
+    let filmstrip = size_to_store(edges[1], remembered[1]);
+    if [side, filmstrip] != remembered {
+        panel
+            .actions
+            .push(Action::Settings(SettingsAction::PanelSizes {
+                side,
+                filmstrip,
+            }));
+    }
+}
+
+/// The size of a panel after the pointer was at its edge, points. `None` for the default.
+fn size_to_store(resized: Resized, remembered: Option<f32>) -> Option<f32> {
+    match resized {
+        Resized::No => remembered,
+        Resized::To(size) => Some(size),
+        Resized::Default => None,
+    }
+}
+
+/// Reads keys and pointer, before anything is drawn. The lists of names and of reasons come first
+/// and remove the keys that they use.
+pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
+    if panel.app.session.quality.open {
+        // The picture is hidden, and so are its lists of names and reasons. A button that goes up
+        // over the page is not read, so the pointer lets go of the picture here.
+        viewport::let_go(ctx);
+        keys::read(panel.app, panel.actions, ctx);
+        return;
+    }
+    typing::read(panel.app, panel.actions, ctx);
+    rejecting::read(panel, ctx);
+    keys::read(panel.app, panel.actions, ctx);
+    viewport::read(panel, ctx);
+}
+
+/// Shows every panel. The actions of the user are in `panel.actions` afterwards.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let (filmstrip_height, side_width) = if ui.available_width() >= WIDE {
+        (110.0, 380.0)
+    } else {
+        (92.0, 300.0)
+    };
+    // The side panel and the filmstrip have edges that can be dragged. Each may grow until the
+    // picture has its minimum size; in a window that is smaller still, the panels keep theirs.
+    let room = ui.available_size() - Vec2::from(FIXED) - Vec2::from(LEAST_PICTURE);
+    let edges = [
+        Edge {
+            id: "side panel",
+            name: "Width of the side panel",
+            panel_is_right: true,
+            range: [280.0, room.x.min(640.0)],
+        },
+        Edge {
+            id: "filmstrip",
+            name: "Height of the filmstrip",
+            panel_is_right: false,
+            range: [72.0, room.y.min(260.0)],
+        },
+    ];
+    let settings = &panel.app.settings;
+    let remembered = [settings.side_width, settings.filmstrip_height];
+    let side_width = edges[0].size(ui.ctx(), remembered[0], side_width);
+    let filmstrip_height = edges[1].size(ui.ctx(), remembered[1], filmstrip_height);
+    let row = Frame::new()
+        .fill(ui.palette().panel)
+        .inner_margin(Margin::symmetric(8, 0));
+    let side = Frame::new().fill(ui.palette().panel);
+    // egui lays panels out from the window's border inwards, in the order of these calls; the rest
+    // is for the central panel.
+    egui::Panel::top("menu")
+        .exact_size(ROW)
+        .resizable(false)
+        .frame(row)
+        .show(ui, |ui| menu::show(panel, ui));
+    tour::show(panel, ui);
+    egui::Panel::bottom("status")
+        .exact_size(ROW)
+        .resizable(false)
+        .frame(row)
+        .show(ui, |ui| status::show(panel, ui));
+    egui::Panel::bottom("messages")
+        .exact_size(ROW)
+        .resizable(false)
+        .frame(row)
+        .show(ui, |ui| notices::show(panel, ui));
+    let is_open = panel.app.open().is_some();
+    let page = panel.app.session.quality.open;
+    if is_open {
+        egui::Panel::left("tools")
+            .exact_size(tools::WIDTH)
+            .resizable(false)
+            .frame(side)
+            .show(ui, |ui| tools::show(panel, ui));
+    }
+    if is_open && !page {
+        let side_panel = egui::Panel::right("side")
+            .exact_size(side_width)
+            .resizable(false)
+            .frame(side)
+            .show(ui, |ui| {
+                if panel.app.round().is_some() {
+                    reclick::show(panel, ui);
+                    return;
+                }
+                match panel.app.session.panel {
+                    SidePanel::Frame => inspector::show(panel, ui),
+                    SidePanel::Camera => camera_panel::show(panel, ui),
+                    SidePanel::Trainer => trainer::show(panel, ui),
+                    SidePanel::Review => review::show(panel, ui),
+                }
+            });
+        let strip = egui::Panel::bottom("filmstrip")
+            .exact_size(filmstrip_height)
+            .resizable(false)
+            .frame(side)
+            .show(ui, |ui| filmstrip::show(panel, ui));
+        // The edges are read after the contents of the panels, so that a press on an edge is not
+        // one on a widget below it.
+        let areas = [side_panel.response.rect, strip.response.rect];
+        store_panel_sizes(
+            panel,
+            [edges[0].read(ui, areas[0]), edges[1].read(ui, areas[1])],
+            remembered,
+        );
+        if timeline::is_wanted(panel.app) {
+            egui::Panel::bottom("timeline")
+                .exact_size(timeline::HEIGHT)
+                .resizable(false)
+                .frame(row)
+                .show(ui, |ui| timeline::show(panel, ui));
+        }
+    }
+    // The picture is laid out last, so that it takes what all the panels leave. Dialogs lie above
+    // everything.
+    egui::CentralPanel::no_frame().show(ui, |ui| {
+        if page {
+            quality::show(panel, ui);
+        } else if is_open {
+            viewport::show(panel, ui);
+        } else {
+            start::show(panel, ui);
+        }
+    });
+    dialogs::show(panel, ui);
+}

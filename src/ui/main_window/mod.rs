@@ -1,0 +1,11 @@
+//! The window as a whole: it is opened here, gives each panel its part, passes keys and pointer
+//! input on, and hands the actions of all panels to the application. File dialogs of the system are
+//! opened from here, too. What a panel shows is written in the panel's own file.
+
+mod files;
+mod input_queue;
+pub mod keys;
+pub mod layout;
+mod resizing;
+pub mod shell;
+pub mod window;
