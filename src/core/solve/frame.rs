@@ -1,18 +1,19 @@
 //! One frame: its clicks and a known base give pan, tilt and focal length.
 
-use super::context::SAME_FIT;
-use super::focal_sweep::is_upright;
-use super::observation::landmark_observations;
 use super::refine::{refine, squared_sigmas};
-use super::shape::ShapeJacobian;
-use super::starts::{camera_distance, find_starts, scan_starts};
-use super::two_point::MIN_RAY_ANGLE_DEG;
 use super::{
     Candidate, CheckResult, ClickResidual, FrameSolution, Loss, Observation, PtzPrior, PtzStep,
-    SolveContext, SolveError, Uncertainty, checks,
+    SolveContext, SolveError, Uncertainty,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize, keep_distinct};
+use crate::solve::initial_cameras::focal_sweep::is_upright;
+use crate::solve::initial_cameras::starts::{camera_distance, find_starts, scan_starts};
+use crate::solve::initial_cameras::two_point::MIN_RAY_ANGLE_DEG;
+use crate::solve::observations::observation::landmark_observations;
+use crate::solve::observations::shape::ShapeJacobian;
+use crate::solve::outcome::checks;
+use crate::solve::priors::context::SAME_FIT;
 use nalgebra::{Matrix2, SMatrix};
 use std::cmp::Ordering;
 

@@ -6,73 +6,65 @@
 //! [`FrameSolution`] is the pan, tilt and focal length of a frame with a known base, with
 //! covariance, checks and warnings.
 //!
+//! | room | subject |
+//! |---|---|
+//! | `optimizer` | least squares, without knowing a camera |
+//! | `observations` | what was seen: clicks on landmarks and lines |
+//! | `priors` | what is known before anything was seen |
+//! | `initial_cameras` | where a refinement starts |
+//! | `outcome` | the result, and how far it is to be trusted |
+//! | `frame.rs`, `refine.rs`, `base`, `from_lines` | the problems: one frame, and a camera's base |
+//! | `identity` | which name a click has |
+//!
 //! Frames, signs and units: [`crate::conventions`].
 
 pub mod base;
-mod checks;
-mod context;
-mod covariance;
-mod crossings;
-mod dense;
-mod derivatives;
-mod drawn_line;
 mod error;
 #[cfg(test)]
 mod fixtures;
-mod focal_sweep;
 mod frame;
 pub mod from_lines;
-mod graduated;
 mod identity;
 mod identity_finding;
-mod least_squares;
-mod line;
-mod line_pairs;
-mod loss;
-mod motion_prior;
-mod observation;
-mod one_point;
-mod plane_pose;
-mod prior;
-mod ptz_ranges;
+mod initial_cameras;
+mod observations;
+mod optimizer;
+mod outcome;
+mod priors;
 mod refine;
-mod residual;
-mod shape;
-mod shared_columns;
-mod solution;
-mod starts;
-mod two_point;
-mod verdict;
 mod warning;
-mod world_curve;
 
-pub use context::SolveContext;
-pub use covariance::{CornerSigma, Uncertainty, covariance_in_radians, covariance_of_four_points};
-pub use dense::DenseEquations;
-pub use derivatives::{DerivativeError, check_derivatives};
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
-pub use graduated::gauss_newton_step;
 pub use identity::check_identity;
 pub use identity_finding::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
-pub use least_squares::{
-    BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise,
+pub use initial_cameras::one_point::{
+    OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray,
 };
-pub use loss::Loss;
-pub use motion_prior::{Motion, MotionPrior, PtzStep};
-pub use observation::Observation;
-pub use one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray};
-pub use plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
-pub use prior::PtzPrior;
-pub use ptz_ranges::PtzRanges;
-pub use refine::{Refined, refine, refine_until};
-pub use residual::{Linearised, Residual};
-pub use shape::{ObservedShape, ShapeJacobian};
-pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
-pub use two_point::{
+pub use initial_cameras::plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
+pub use initial_cameras::two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays,
     solve_two_points,
 };
-pub use verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, Verdict, judge};
+pub use observations::observation::Observation;
+pub use observations::shape::{ObservedShape, ShapeJacobian};
+pub use observations::world_curve::WorldCurve;
+pub use optimizer::dense::DenseEquations;
+pub use optimizer::derivatives::{DerivativeError, check_derivatives};
+pub use optimizer::graduated::gauss_newton_step;
+pub use optimizer::least_squares::{
+    BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise,
+};
+pub use optimizer::loss::Loss;
+pub use optimizer::residual::{Linearised, Residual};
+pub use outcome::covariance::{
+    CornerSigma, Uncertainty, covariance_in_radians, covariance_of_four_points,
+};
+pub use outcome::solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
+pub use outcome::verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, Verdict, judge};
+pub use priors::context::SolveContext;
+pub use priors::motion_prior::{Motion, MotionPrior, PtzStep};
+pub use priors::prior::PtzPrior;
+pub use priors::ptz_ranges::PtzRanges;
+pub use refine::{Refined, refine, refine_until};
 pub use warning::{UnknownWarningCode, Warning, WarningCode};
-pub use world_curve::WorldCurve;

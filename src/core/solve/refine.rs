@@ -4,11 +4,13 @@
 //! A landmark gives two residuals, a point on a line one, a prior three; all in sigmas, with
 //! analytic Jacobians. Nothing is allocated.
 
-use super::least_squares::{BlockEquations, NO_VALUE_SIGMAS, Problem, Stopping, minimise};
-use super::residual::Residual;
 use super::{Loss, Observation, PtzPrior};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, Vec3};
+use crate::solve::optimizer::least_squares::{
+    BlockEquations, NO_VALUE_SIGMAS, Problem, Stopping, minimise,
+};
+use crate::solve::optimizer::residual::Residual;
 
 /// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 60;

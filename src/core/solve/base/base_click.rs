@@ -5,8 +5,8 @@ use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SIZES, SLOPE
 use crate::camera::{Ptz, PtzCamera};
 use crate::field::{Crown, FieldElement};
 use crate::geometry::{Vec2, Vec3};
-use crate::solve::residual::{Linearised, Residual};
-use crate::solve::shape::ShapeJacobian;
+use crate::solve::observations::shape::ShapeJacobian;
+use crate::solve::optimizer::residual::{Linearised, Residual};
 use crate::solve::{Observation, ObservedShape};
 use nalgebra::SMatrix;
 

@@ -10,11 +10,11 @@ use super::shared_prior::SharedPrior;
 use crate::camera::Ptz;
 use crate::geometry::median;
 use crate::solve::Loss;
-use crate::solve::least_squares::{
+use crate::solve::optimizer::least_squares::{
     BlockEquations, BorderedEquations, BorderedStep, Minimum, Problem, Stopping, minimise,
 };
+use crate::solve::optimizer::residual::Residual;
 use crate::solve::refine;
-use crate::solve::residual::Residual;
 use nalgebra::SMatrix;
 
 /// A bundle adjustment with `SHARED` shared parameters.

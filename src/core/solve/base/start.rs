@@ -9,7 +9,7 @@
 use super::{BaseError, CameraClicks, FrameClicks};
 use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high, subsample};
-use crate::solve::plane_pose::pose_from_plane;
+use crate::solve::initial_cameras::plane_pose::pose_from_plane;
 use crate::solve::refine::squared_sigmas;
 use crate::solve::{Loss, SolveContext, solve_frame};
 

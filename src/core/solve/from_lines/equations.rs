@@ -4,8 +4,8 @@ use super::FromLinesError;
 use crate::field::Curve;
 use crate::geometry::Vec3;
 use crate::solve::Observation;
-use crate::solve::drawn_line::DrawnLine;
-use crate::solve::observation::landmark_observations;
+use crate::solve::observations::drawn_line::DrawnLine;
+use crate::solve::observations::observation::landmark_observations;
 
 /// Unknowns that the lines have to determine: position, rotation, focal length.
 const NEEDED_EQUATIONS: usize = 7;

@@ -3,10 +3,10 @@
 use super::fit::{Fitted, PictureFit, starting_state};
 use super::{FromLinesError, FromLinesOptions, LinePicture, starts};
 use crate::geometry::{keep_distinct, median};
-use crate::solve::crossings;
-use crate::solve::drawn_line::DrawnLine;
-use crate::solve::line_pairs::few_per_line;
-use crate::solve::starts::camera_distance;
+use crate::solve::initial_cameras::line_pairs::few_per_line;
+use crate::solve::initial_cameras::starts::camera_distance;
+use crate::solve::observations::crossings;
+use crate::solve::observations::drawn_line::DrawnLine;
 use crate::solve::{Loss, Observation};
 
 /// The losses of the fit: first wide, so that starts that are off converge; then one under which a

@@ -13,7 +13,7 @@
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldElement, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, mean};
-use crate::solve::drawn_line::DrawnLine;
+use crate::solve::observations::drawn_line::DrawnLine;
 use crate::solve::{IdentityKind, Name, Observation, ObservedShape, Rename, WorldCurve};
 
 /// A line whose points are farther off on average is in doubt, sigmas of a drawn point.

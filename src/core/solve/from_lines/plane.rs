@@ -11,8 +11,8 @@
 use crate::camera::{BaseAngles, CameraBase, Ptz};
 use crate::geometry::rotation::{q_pan, q_tilt};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, only_null_vector};
-use crate::solve::drawn_line::DrawnLine;
-use crate::solve::plane_pose::{PlanePose, pose_from_plane};
+use crate::solve::initial_cameras::plane_pose::{PlanePose, pose_from_plane};
+use crate::solve::observations::drawn_line::DrawnLine;
 use nalgebra::{SMatrix, SVector};
 
 /// Minimum second smallest eigenvalue, as a fraction of the largest: below it the lines leave a

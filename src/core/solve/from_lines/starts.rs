@@ -16,11 +16,11 @@ use super::plane::camera_from_ground_lines;
 use super::priors::{FocalPrior, PicturePriors, PlacePrior, scale_of};
 use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, Vec3, keep_distinct};
-use crate::solve::crossings::Crossing;
-use crate::solve::drawn_line::DrawnLine;
-use crate::solve::line_pairs::{find_pairs, solve_pair};
+use crate::solve::initial_cameras::line_pairs::{find_pairs, solve_pair};
+use crate::solve::initial_cameras::starts::camera_distance;
+use crate::solve::observations::crossings::Crossing;
+use crate::solve::observations::drawn_line::DrawnLine;
 use crate::solve::refine::cost;
-use crate::solve::starts::camera_distance;
 use crate::solve::{Loss, Observation};
 
 /// A camera to refine, with its cost.

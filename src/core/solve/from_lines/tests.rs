@@ -5,7 +5,7 @@ use crate::camera::{BaseAngles, FocalCurve};
 use crate::field::{Curve, Symmetry, builtin};
 use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
 use crate::markings::{MarkingOptions, project_lines};
-use crate::solve::drawn_line::DrawnLine;
+use crate::solve::observations::drawn_line::DrawnLine;
 use crate::solve::{IdentityKind, ObservedShape};
 
 const SIZE: ImageSize = ImageSize::new(960, 540);
@@ -171,7 +171,10 @@ fn the_circle_and_the_halfway_line_give_a_camera() {
         let name = observation.element.and_then(|element| element.name(&field));
         matches!(name, Some("centre_circle" | "halfway_line"))
     });
-    assert!(crate::solve::crossings::find_crossings(&DrawnLine::group(&drawn), &drawn).is_empty());
+    assert!(
+        crate::solve::observations::crossings::find_crossings(&DrawnLine::group(&drawn), &drawn)
+            .is_empty()
+    );
     let found = solve(&field, &drawn).unwrap();
     assert!(
         overlay_error_px(&field, &truth, &found.camera()) < 1.5,

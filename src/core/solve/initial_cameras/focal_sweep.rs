@@ -10,14 +10,14 @@
 //! One parameter is left to sweep. Every local minimum of the cost over all observations is the
 //! start of one solution: none is missed that is wider than a step of 10 % in focal length.
 
-use super::SolveContext;
-use super::drawn_line::DrawnLine;
-use super::loss::Loss;
-use super::observation::Observation;
 use super::one_point::{pan_tilt_from_one_point, pan_tilts_from_directions};
-use super::refine::cost;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, Vec3};
+use crate::solve::SolveContext;
+use crate::solve::observations::drawn_line::DrawnLine;
+use crate::solve::observations::observation::Observation;
+use crate::solve::optimizer::loss::Loss;
+use crate::solve::refine::cost;
 
 /// Steps of a sweep over the plausible range of focal lengths.
 const STEPS: usize = 48;
@@ -36,13 +36,17 @@ pub(super) struct LandmarkClick {
 
 /// A start with its cost; lower is better.
 #[derive(Clone, Copy)]
-pub(super) struct RankedStart {
+pub(in crate::solve) struct RankedStart {
     pub cost: f64,
     pub ptz: Ptz,
 }
 
 /// A start with its robust cost over the observations.
-pub(super) fn rank(base: &CameraBase, ptz: Ptz, observations: &[Observation]) -> RankedStart {
+pub(in crate::solve) fn rank(
+    base: &CameraBase,
+    ptz: Ptz,
+    observations: &[Observation],
+) -> RankedStart {
     RankedStart {
         cost: cost(&PtzCamera::new(*base, ptz), observations, RANKING_LOSS),
         ptz,
@@ -139,7 +143,7 @@ fn is_local_minimum(swept: &[RankedStart], index: usize) -> bool {
 }
 
 /// Whether a camera is finite and not upside down.
-pub(super) fn is_upright(ptz: &Ptz) -> bool {
+pub(in crate::solve) fn is_upright(ptz: &Ptz) -> bool {
     ptz.is_finite() && ptz.tilt.abs().degrees() <= 90.0
 }
 

@@ -15,10 +15,10 @@
 //! is still drawn with the nominal base. The lines then miss the points that were clicked (with 0.5
 //! m of base error by 8–16 px instead of 3–6 px). It is therefore not used.
 
-use super::shared_columns::by_shared;
-use super::{Observation, PtzPrior, SolveError};
 use crate::camera::{CameraBase, FocalCurve, PtzCamera, SHARED_COLUMNS};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::solve::observations::shared_columns::by_shared;
+use crate::solve::{Observation, PtzPrior, SolveError};
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
 /// Normal equations worse conditioned than this, in (rad, rad, log f), leave a direction open.
@@ -359,7 +359,7 @@ impl CornerSigma {
 
 /// The Jacobians of one overlay point by the camera's parameters, independent of their uncertainty.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct OverlayPoint {
+pub(in crate::solve) struct OverlayPoint {
     by_ptz: Matrix2x3<f64>,
     by_base: SMatrix<f64, 2, SHARED_COLUMNS>,
 }
@@ -479,7 +479,10 @@ fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
 
 /// The frame's four corners, each moved towards the principal point in steps of 10 % until it has a
 /// ray; none if it never has.
-pub(super) fn corners(camera: &PtzCamera, image_size: ImageSize) -> [Option<OverlayPoint>; 4] {
+pub(in crate::solve) fn corners(
+    camera: &PtzCamera,
+    image_size: ImageSize,
+) -> [Option<OverlayPoint>; 4] {
     let middle = camera.base().principal_point;
     image_size.corners().map(|corner| {
         (0..10).find_map(|step| {

@@ -7,7 +7,7 @@ use nalgebra::Matrix2;
 
 /// A line of the field with the points that were drawn on it.
 #[derive(Clone, Debug)]
-pub(super) struct DrawnLine {
+pub(in crate::solve) struct DrawnLine {
     pub curve: WorldCurve,
     /// Indices into the observations that the lines were grouped from.
     pub indices: Vec<usize>,
@@ -19,7 +19,7 @@ pub(super) struct DrawnLine {
 
 /// A straight line of the picture, fitted to points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct StraightLine {
+pub(in crate::solve) struct StraightLine {
     /// The points' centroid.
     pub middle: ImagePoint,
     /// Unit vector along it.

@@ -1,12 +1,12 @@
 //! The inputs of a solve beside the clicks.
 
-use super::{Loss, MotionPrior, PtzPrior, PtzRanges};
 use crate::camera::Ptz;
 use crate::geometry::ImageSize;
+use crate::solve::{Loss, MotionPrior, PtzPrior, PtzRanges};
 
 /// Clicks cannot decide between two candidates whose χ² differ by less than this (times its
 /// expectation): five sigmas, since a base is never exact.
-pub(super) const SAME_FIT: f64 = 25.0;
+pub(in crate::solve) const SAME_FIT: f64 = 25.0;
 
 /// Knowledge about a frame beside its clicks and its camera's base.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +48,7 @@ impl SolveContext {
 
     /// The camera that decides between equally good candidates: the start, else the nearest
     /// neighbour, else the prior.
-    pub(super) fn expected_ptz(&self) -> Option<Ptz> {
+    pub(in crate::solve) fn expected_ptz(&self) -> Option<Ptz> {
         self.start
             .or(self.neighbours.first().copied())
             .or(self.prior.map(|prior| prior.ptz))

@@ -16,7 +16,7 @@ use crate::solve::{Observation, ObservedShape};
 
 /// A point of the field, `world`, m, and the pixel that shows it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Crossing {
+pub(in crate::solve) struct Crossing {
     pub in_world: Vec3,
     pub image: ImagePoint,
     /// 1-σ of the pixel in its worst direction, as a multiple of that of a drawn point.
@@ -42,7 +42,10 @@ const MEETS_M: f64 = 1e-3;
 
 /// The landmarks that were clicked, and the crossings of the straight lines; the most certain
 /// first.
-pub(super) fn find_crossings(lines: &[DrawnLine], observations: &[Observation]) -> Vec<Crossing> {
+pub(in crate::solve) fn find_crossings(
+    lines: &[DrawnLine],
+    observations: &[Observation],
+) -> Vec<Crossing> {
     let mut found: Vec<Crossing> = observations.iter().filter_map(clicked_landmark).collect();
     let straight = straight_lines(lines);
     for (index, (line, fit)) in straight.iter().enumerate() {
@@ -112,7 +115,7 @@ fn meeting_point(one: &Curve, other: &Curve) -> Option<Vec3> {
 }
 
 /// Observations of the ends of the field's lines that drawn ends show.
-pub(super) fn find_ends(lines: &[DrawnLine], size: ImageSize) -> Vec<Observation> {
+pub(in crate::solve) fn find_ends(lines: &[DrawnLine], size: ImageSize) -> Vec<Observation> {
     let straight = straight_lines(lines);
     let mut ends = Vec::new();
     for (line, fit) in &straight {

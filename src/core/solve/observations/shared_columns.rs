@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 /// The derivatives of a projected point by all shared parameters, in the order of
 /// [`crate::camera::BaseSigma::root`], from its derivatives by the base's pose, by k₁, by the world
 /// point and by a shift of the picture.
-pub(super) fn by_shared(
+pub(in crate::solve) fn by_shared(
     camera: &PtzCamera,
     by_pose: &SMatrix<f64, 2, 6>,
     by_k1: Vec2,

@@ -4,12 +4,12 @@
 //! This is the only file of the solver that distinguishes points from curves. A point gives two
 //! equations, a curve one; both give a residual of the same type.
 
-use super::WorldCurve;
 use super::line::nearest_point;
 use super::shared_columns::by_shared;
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::field::{Crown, FieldElement, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
+use crate::solve::WorldCurve;
 use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, SMatrix};
 
 /// What a click shows, in `world`.
@@ -127,7 +127,11 @@ impl ObservedShape {
 
     /// The residual of a click, px: see [`ShapeJacobian`]. None where the shape has no image.
     #[inline]
-    pub(super) fn residual_px(&self, camera: &PtzCamera, click: ImagePoint) -> Option<Vec2> {
+    pub(in crate::solve) fn residual_px(
+        &self,
+        camera: &PtzCamera,
+        click: ImagePoint,
+    ) -> Option<Vec2> {
         match self {
             Self::Point(at) => camera
                 .image_from_world(*at)
@@ -199,7 +203,7 @@ impl ObservedShape {
 
     /// The same shape on ground with another crown.
     #[must_use]
-    pub(super) fn change_crown(self, from: Crown, to: Crown) -> Self {
+    pub(in crate::solve) fn change_crown(self, from: Crown, to: Crown) -> Self {
         match self {
             // A point is stored with its crown, a curve with the crown beside its nominal shape.
             Self::Point(mut at) => {
@@ -212,7 +216,7 @@ impl ObservedShape {
 
     /// The point, or the curve's point at a parameter. The shape must be one on flat ground, m,
     /// `world`.
-    pub(super) fn nominal_at(&self, parameter: f64) -> Vec3 {
+    pub(in crate::solve) fn nominal_at(&self, parameter: f64) -> Vec3 {
         match self {
             Self::Point(at) => *at,
             Self::Curve(curve) => curve.nominal().point_at(parameter),
@@ -221,7 +225,7 @@ impl ObservedShape {
 
     /// This shape moved by a fraction of the difference between two shapes of its kind.
     #[must_use]
-    pub(super) fn move_along(self, from: &Self, to: &Self, share: f64) -> Self {
+    pub(in crate::solve) fn move_along(self, from: &Self, to: &Self, share: f64) -> Self {
         match (self, from, to) {
             (Self::Point(at), Self::Point(from), Self::Point(to)) => {
                 Self::Point(at + (to - from) * share)
@@ -235,7 +239,7 @@ impl ObservedShape {
 
     /// A point where a symmetry of the field puts it; none for a curve.
     #[must_use]
-    pub(super) fn mirror_point(&self, symmetry: Symmetry) -> Option<Self> {
+    pub(in crate::solve) fn mirror_point(&self, symmetry: Symmetry) -> Option<Self> {
         self.point().map(|at| Self::Point(symmetry.apply(at)))
     }
 }

@@ -1,9 +1,9 @@
 //! Normal equations as one dense matrix, for parameters that are coupled with each other, such as
 //! those of frames with pairwise matches.
 
-use super::Loss;
 use super::least_squares::Equations;
 use super::loss::LossSum;
+use crate::solve::Loss;
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// Jᵀ W J and Jᵀ W r of residuals that each depend on a few of many parameters.

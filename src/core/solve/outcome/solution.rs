@@ -1,8 +1,8 @@
 //! The result of solving a frame.
 
-use super::{IdentityFinding, Observation, PtzStep, Uncertainty, Warning, WarningCode};
 use crate::camera::{Ptz, PtzCamera, Radial};
 use crate::geometry::{Angle, Mat3, Vec2};
+use crate::solve::{IdentityFinding, Observation, PtzStep, Uncertainty, Warning, WarningCode};
 use serde::Serialize;
 
 /// A camera that fits the clicks of a frame, but was not chosen.
@@ -102,7 +102,7 @@ pub struct FrameSolution {
     /// Warnings for the user, the most serious first.
     pub warnings: Vec<Warning>,
     /// Names that fit better, or as well; the first of the warnings reports them. Only
-    /// [`check_identity`](super::check_identity) finds them.
+    /// [`check_identity`](crate::solve::check_identity) finds them.
     pub identity: Option<IdentityFinding>,
 }
 
@@ -193,7 +193,7 @@ impl FrameSolution {
     }
 
     /// The uncertainty of the result due to click noise and the base: three sigmas.
-    pub(super) fn slack(&self) -> PtzStep {
+    pub(in crate::solve) fn slack(&self) -> PtzStep {
         PtzStep {
             pan: self.sigma_pan() * 3.0,
             tilt: self.sigma_tilt() * 3.0,

@@ -7,12 +7,12 @@
 //! This closed form does not minimise the reprojection errors: a homography has eight degrees of
 //! freedom, such a camera seven. [`PlanePose::refine`] minimises them.
 
-use super::Loss;
-use super::least_squares::{BlockEquations, Problem, Stopping, minimise};
-use super::residual::{Linearised, Residual};
 use crate::field::FieldElement;
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, skew};
 use crate::geometry::{HomographyError, ImagePoint, Mat3, Vec2, Vec3, homography};
+use crate::solve::Loss;
+use crate::solve::optimizer::least_squares::{BlockEquations, Problem, Stopping, minimise};
+use crate::solve::optimizer::residual::{Linearised, Residual};
 use nalgebra::{Matrix2x3, SMatrix, SVector, Vector2};
 use thiserror::Error;
 

@@ -1,10 +1,10 @@
 //! The prior of a frame's pan, tilt and focal length.
 
-use super::Loss;
-use super::residual::{Linearised, Residual};
 use crate::camera::{Ptz, PtzCamera, SHARED_COLUMNS};
 use crate::field::FieldElement;
 use crate::geometry::{Angle, Mat3, Vec3};
+use crate::solve::Loss;
+use crate::solve::optimizer::residual::{Linearised, Residual};
 use nalgebra::SMatrix;
 
 /// A Gaussian prior of pan, tilt and focal length, each with its 1-σ and without correlations.
@@ -21,7 +21,7 @@ pub struct PtzPrior {
     /// The derivative of the mean by an error of the base, in the columns of
     /// [`Uncertainty::by_base`]; zero where the mean was not computed with that base.
     ///
-    /// [`Uncertainty::by_base`]: super::Uncertainty::by_base
+    /// [`Uncertainty::by_base`]: crate::solve::Uncertainty::by_base
     pub by_base: SMatrix<f64, 3, SHARED_COLUMNS>,
 }
 
@@ -37,7 +37,7 @@ impl PtzPrior {
     }
 
     /// Its information on (pan rad, tilt rad, focal px) at a focal length.
-    pub(super) fn information(&self, focal_px: f64) -> Mat3 {
+    pub(in crate::solve) fn information(&self, focal_px: f64) -> Mat3 {
         // σ of f is f times σ of log f.
         let inverse = self
             .inverse_sigmas()

@@ -5,14 +5,14 @@
 //! * Else: a drawn point of each of two lines, or of one line and the one crossing, at several
 //!   points of the field's lines. One of these pairs is nearly right.
 
-use super::Observation;
-use super::crossings::Crossing;
-use super::drawn_line::DrawnLine;
-use super::observation::landmark_observations;
 use super::two_point::{OneOrTwo, solve_two_points};
 use crate::camera::{CameraBase, Ptz};
 use crate::field::Curve;
 use crate::geometry::{farthest_pairs, subsample};
+use crate::solve::Observation;
+use crate::solve::observations::crossings::Crossing;
+use crate::solve::observations::drawn_line::DrawnLine;
+use crate::solve::observations::observation::landmark_observations;
 
 /// Pairs of crossings that are tried, at most.
 const MAX_PAIRS: usize = 4;
@@ -21,7 +21,10 @@ const MAX_PAIRS: usize = 4;
 const MAX_CROSSINGS: usize = 16;
 
 /// The pairs of points of lines and of their crossings, as the page of this module says.
-pub(super) fn find_pairs(lines: &[DrawnLine], crossings: &[Crossing]) -> Vec<[Crossing; 2]> {
+pub(in crate::solve) fn find_pairs(
+    lines: &[DrawnLine],
+    crossings: &[Crossing],
+) -> Vec<[Crossing; 2]> {
     let best = best_pairs(crossings);
     if best.is_empty() {
         pairs_along_lines(lines, crossings.first())
@@ -80,13 +83,19 @@ fn candidates(line: &DrawnLine, index: usize) -> impl Iterator<Item = Crossing> 
 }
 
 /// The two-point cameras of a pair of points that lines show; none where there is no such camera.
-pub(super) fn solve_pair(base: &CameraBase, [one, two]: &[Crossing; 2]) -> Option<OneOrTwo<Ptz>> {
+pub(in crate::solve) fn solve_pair(
+    base: &CameraBase,
+    [one, two]: &[Crossing; 2],
+) -> Option<OneOrTwo<Ptz>> {
     let worlds = [one.in_world, two.in_world];
     solve_two_points(base, worlds, [one.image, two.image]).ok()
 }
 
 /// A few observations of each line, evenly spread over its points: what ranks starts.
-pub(super) fn few_per_line(lines: &[DrawnLine], observations: &[Observation]) -> Vec<Observation> {
+pub(in crate::solve) fn few_per_line(
+    lines: &[DrawnLine],
+    observations: &[Observation],
+) -> Vec<Observation> {
     const MOST: usize = 4;
     let on_lines = lines
         .iter()

@@ -13,20 +13,21 @@
 //! compared (`frame.rs`). Cameras that are known from elsewhere (a prior, the previous solution,
 //! neighbouring frames) are used where the clicks give none.
 
-use super::crossings::find_crossings;
-use super::drawn_line::DrawnLine;
 use super::focal_sweep::{
     LandmarkClick, RankedStart, log_spaced_focals, rank, sweep_landmark, sweep_line,
 };
-use super::line_pairs::{self, few_per_line, find_pairs};
-use super::refine::refine;
+use super::line_pairs;
+use super::line_pairs::{few_per_line, find_pairs};
 use super::two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, scan_two_points,
     solve_two_points,
 };
-use super::{Loss, Observation, PtzRanges, SolveContext, SolveError};
 use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::geometry::{Angle, farthest_pairs, keep_distinct};
+use crate::solve::observations::crossings::find_crossings;
+use crate::solve::observations::drawn_line::DrawnLine;
+use crate::solve::refine::refine;
+use crate::solve::{Loss, Observation, PtzRanges, SolveContext, SolveError};
 
 /// Pairs of landmarks that are solved, at most.
 const MAX_PAIRS: usize = 48;
@@ -51,7 +52,7 @@ const MAX_LINE_STARTS: usize = 12;
 ///
 /// # Errors
 /// No start exists, with the reason.
-pub(super) fn find_starts(
+pub(in crate::solve) fn find_starts(
     base: &CameraBase,
     observations: &[Observation],
     context: &SolveContext,
@@ -154,7 +155,7 @@ fn solve_pair(
 
 /// All cameras of two landmark clicks, those near the fold of the lens included
 /// ([`scan_two_points`]); none for other observations, or without a lens.
-pub(super) fn scan_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
+pub(in crate::solve) fn scan_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
     let [one, two] = used else { return Vec::new() };
     match (one.shape.point(), two.shape.point()) {
         (Some(first), Some(second)) if base.distortion != FocalCurve::NONE => {
@@ -322,7 +323,7 @@ fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observa
 
 /// How differently two cameras see: the largest of the differences in pan and tilt, as shifts of
 /// the picture in units of 1000 px, and of that in log focal length.
-pub(super) fn camera_distance(one: &Ptz, two: &Ptz) -> f64 {
+pub(in crate::solve) fn camera_distance(one: &Ptz, two: &Ptz) -> f64 {
     // A rotation by δ rad moves the middle of the picture by f δ px.
     let per_radian = one.focal_px.min(two.focal_px) / 1000.0;
     let pan = one.pan.turn_from(two.pan).abs().radians() * per_radian;

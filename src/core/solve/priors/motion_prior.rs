@@ -5,9 +5,9 @@
 //! the field, for example, can fit exactly; only the sudden change of the camera's direction
 //! reveals them.
 
-use super::{PtzRanges, Warning, WarningCode};
 use crate::camera::Ptz;
 use crate::geometry::Angle;
+use crate::solve::{PtzRanges, Warning, WarningCode};
 
 /// The usual ranges and motion of a camera.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -134,7 +134,7 @@ impl MotionPrior {
     }
 
     /// The warning for the user about an unusual camera.
-    pub(super) fn warning(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Warning> {
+    pub(in crate::solve) fn warning(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Warning> {
         // A jump from the nearest frame says more than the range of all accepted ones.
         let message = if let (Some(odd), Some(motion)) = (self.jump(ptz, slack), &self.motion) {
             let moved = PtzStep::between(&motion.from, ptz);

@@ -127,7 +127,7 @@ impl<T: Copy> OneOrTwo<T> {
 /// The focal length comes from both points, pan and tilt from the first one; from the second one
 /// where the first is so steeply above or below the camera that no pan reaches its pixel. With
 /// exact points the other point then fits too. With noisy ones it is off by the noise, which is
-/// what the least-squares refinement ([`super::refine()`]) starts from.
+/// what the least-squares refinement ([`crate::solve::refine()`]) starts from.
 ///
 /// # Errors
 /// Coinciding pixels or rays, no valid root, or a root at which the lens has no such pixel.

@@ -52,7 +52,7 @@ impl WorldCurve {
 
     /// This curve moved by a fraction of the difference between two nominal curves of its kind.
     #[must_use]
-    pub(super) fn move_along(self, from: &Curve, to: &Curve, share: f64) -> Self {
+    pub(in crate::solve) fn move_along(self, from: &Curve, to: &Curve, share: f64) -> Self {
         // Coordinates, radius and angles change linearly with the share, which is exact where the
         // template is linear in its sizes.
         let nominal = match (self.nominal, from, to) {
@@ -105,7 +105,7 @@ impl WorldCurve {
     }
 
     /// The point at a parameter, m.
-    pub(super) fn point_at(&self, t: f64) -> Vec3 {
+    pub(in crate::solve) fn point_at(&self, t: f64) -> Vec3 {
         self.crown.world_from_nominal(self.nominal.point_at(t))
     }
 

@@ -1,7 +1,7 @@
 //! The verdict on a solved frame, with its reason.
 
-use super::{Evidence, FrameSolution, WarningCode};
 use crate::geometry::ImageSize;
+use crate::solve::{Evidence, FrameSolution, WarningCode};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

@@ -7,9 +7,9 @@
 //! complement; Hartley & Zisserman, Multiple View Geometry, appendix 6.3), one small system is
 //! solved for the shared ones, and the blocks' steps follow by back-substitution.
 
-use super::Loss;
 use super::loss::LossSum;
 use super::residual::{Linearised, Residual};
+use crate::solve::Loss;
 use nalgebra::{SMatrix, SVector};
 
 /// The size, in sigmas, with which a residual that has no value enters the cost.
@@ -206,7 +206,7 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
 
     /// The inverse of the equations of the block's own parameters; none where its residuals leave
     /// a combination of these open.
-    pub(super) fn own_inverse(&self) -> Option<SMatrix<f64, OWN, OWN>> {
+    pub(in crate::solve) fn own_inverse(&self) -> Option<SMatrix<f64, OWN, OWN>> {
         /// A parameter is open if the parameters before it leave less than this share of its
         /// information.
         const OPEN: f64 = 1e-12;

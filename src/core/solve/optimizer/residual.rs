@@ -2,12 +2,12 @@
 //!
 //! A new kind of measurement is one type with one implementation of [`Residual`].
 //! [`BlockEquations::add`] takes it, and
-//! [`check_derivatives`](super::check_derivatives) tests its Jacobian.
+//! [`check_derivatives`](crate::solve::check_derivatives) tests its Jacobian.
 //!
 //! [`BlockEquations::add`]: super::least_squares::BlockEquations::add
 
-use super::Loss;
 use crate::field::FieldElement;
+use crate::solve::Loss;
 use nalgebra::{SMatrix, SVector};
 
 /// A measurement as `ROWS` numbers that are zero for the true parameters without noise.

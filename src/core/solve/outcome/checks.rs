@@ -1,13 +1,13 @@
 //! The warnings about a solved frame that the user should check, with numbers.
 
-use super::context::SAME_FIT;
 use super::covariance::{OverlayPoint, corners};
-use super::observation::landmark_observations;
-use super::{
-    CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning, WarningCode,
-};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec2, thousands};
+use crate::solve::observations::observation::landmark_observations;
+use crate::solve::priors::context::SAME_FIT;
+use crate::solve::{
+    CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning, WarningCode,
+};
 
 /// A worst corner with a larger 1-σ gives a warning, px at 1920 px width.
 const WARN_CORNER_SIGMA_PX: f64 = 7.0;
@@ -30,7 +30,7 @@ const MAX_CHECK_Z: f64 = 3.5;
 const MAX_CLICK_SIGMAS: f64 = 5.0;
 
 /// The warnings of a solution, the most serious first.
-pub(super) fn warnings(
+pub(in crate::solve) fn warnings(
     camera: &PtzCamera,
     used: &[Observation],
     solution: &FrameSolution,

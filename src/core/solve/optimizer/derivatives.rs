@@ -1,6 +1,6 @@
 //! A check of a residual's Jacobian, for the tests of whoever writes one.
 
-use super::Residual;
+use crate::solve::Residual;
 use nalgebra::SVector;
 use thiserror::Error;
 

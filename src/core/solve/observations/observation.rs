@@ -1,10 +1,10 @@
 //! A click as an observation: a pixel that shows a landmark, or a point of a line.
 
-use super::residual::{Linearised, Residual};
-use super::{ObservationError, ObservedShape};
 use crate::camera::PtzCamera;
 use crate::field::{FieldElement, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
+use crate::solve::optimizer::residual::{Linearised, Residual};
+use crate::solve::{ObservationError, ObservedShape};
 use nalgebra::SMatrix;
 
 /// One click, ready for solving: the pixel, its 1-σ, and the landmark or line that it shows with
@@ -116,7 +116,7 @@ impl Observation {
 
     /// The same click on the same field with another crown.
     #[must_use]
-    pub(super) fn change_crown(&self, from: &FieldModel, to: &FieldModel) -> Self {
+    pub(in crate::solve) fn change_crown(&self, from: &FieldModel, to: &FieldModel) -> Self {
         Self {
             shape: self.shape.change_crown(from.crown(), to.crown()),
             ..*self
@@ -148,7 +148,7 @@ impl Observation {
 
     /// The same distance, infinite where there is no image, so that a camera gains nothing by
     /// hiding what was clicked.
-    pub(super) fn distance_px_or_infinite(&self, camera: &PtzCamera) -> f64 {
+    pub(in crate::solve) fn distance_px_or_infinite(&self, camera: &PtzCamera) -> f64 {
         self.distance_px(camera).unwrap_or(f64::INFINITY)
     }
 
@@ -161,7 +161,7 @@ impl Observation {
 }
 
 /// The observations of landmarks among others, in their order.
-pub(super) fn landmark_observations(
+pub(in crate::solve) fn landmark_observations(
     observations: &[Observation],
 ) -> impl Iterator<Item = &Observation> {
     observations
