@@ -13,11 +13,11 @@
 //! The search is exhaustive instead of random: parallel lines make many local maxima, and the
 //! result is the same in every run.
 
-use super::agreement::{Agreement, PaintedCells};
-use super::check::overlays_apart_px;
-use super::evidence::{Chains, EvidenceMaps};
-use super::marking_pixels::MarkingPixels;
 use super::{GroundPicture, SnapError, SnapOptions, Snapped, snap};
+use crate::paint::camera_alignment::check::overlays_apart_px;
+use crate::paint::markings::agreement::{Agreement, PaintedCells};
+use crate::paint::markings::evidence::{Chains, EvidenceMaps};
+use crate::paint::markings::marking_pixels::MarkingPixels;
 use rayon::prelude::*;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};

@@ -15,14 +15,16 @@
 //!
 //! # Files, from the pixels up
 //!
-//! * What is ground: `surface.rs` (its colours), `ground_area.rs` (its extent), `turf_levels.rs`
-//!   (its brightness).
-//! * With a camera: `ridge.rs` and `floor_ridge.rs` search across one line (geometry: `across.rs`)
-//!   on a profile (`profile.rs`, `colours.rs`). `sightings.rs` does it for all lines. `check.rs`,
+//! * `turf`, what is ground: `surface.rs` (its colours), `ground_area.rs` (its extent),
+//!   `turf_levels.rs` (its brightness).
+//! * `ridges`, across one line: `ridge.rs` and `floor_ridge.rs` search (geometry: `across.rs`) on a
+//!   profile (`profile.rs`, `colours.rs`).
+//! * `camera_alignment`, with a camera: `sightings.rs` searches across all lines. `check.rs`,
 //!   `search.rs`, `alignment.rs`, `snap.rs`, `lens.rs` and `places.rs` use that.
-//! * Without a camera: `marking_pixels` finds markings; `evidence.rs` and `agreement.rs` compare
-//!   them with many cameras for `find.rs`; `persistent.rs` combines frames.
-//! * At a click: `point.rs` with `crossing.rs`, and `spot.rs` with `drawn_spot.rs`.
+//! * `markings`, without a camera: `marking_pixels` finds markings; `evidence.rs` and
+//!   `agreement.rs` compare them with many cameras for `find.rs`; `persistent.rs` combines frames.
+//! * `click_snapping`, at a click: `point.rs` with `crossing.rs`, and `spot.rs` with
+//!   `drawn_spot.rs`.
 //!
 //! # Lengths
 //!
@@ -30,49 +32,26 @@
 //! is not: blur by optics and encoder, and the distances that keep clear of it, are about as many
 //! pixels in pictures of every width.
 
-mod across;
-mod agreement;
-mod alignment;
-mod check;
-mod colours;
-mod contrast;
-mod crossing;
-mod directions;
+mod camera_alignment;
+mod click_snapping;
 #[cfg(test)]
 mod drawn;
-mod drawn_spot;
 mod error;
-mod evidence;
 mod find;
-mod floor_ridge;
-mod ground;
-mod ground_area;
-mod lens;
-mod marking_pixels;
-mod persistent;
-mod placed_point;
-mod places;
-mod point;
-mod profile;
-mod ridge;
-mod search;
-mod sightings;
-mod snap;
-mod spot;
-mod surface;
-mod turf_levels;
-mod unexplained;
+mod markings;
+mod ridges;
+mod turf;
 
-pub use agreement::Agreement;
-pub use check::{LineCheck, check_lines, overlays_apart_px};
-pub use contrast::LineContrast;
+pub use camera_alignment::check::{LineCheck, check_lines, overlays_apart_px};
+pub use camera_alignment::places::{PaintPlace, paint_places};
+pub use camera_alignment::snap::{SnapOptions, Snapped, snap};
+pub use click_snapping::placed_point::{PointSnapOptions, SnappedPoint};
+pub use click_snapping::point::snap_point;
 pub use error::SnapError;
 pub use find::{FindError, FindOptions, PaintSearchResult, find_camera};
-pub use ground::GroundPicture;
-pub use marking_pixels::{MarkingPixel, MarkingPixels, PixelContent};
-pub use persistent::{GroundDirections, PersistentPoint, persistent_paint};
-pub use placed_point::{PointSnapOptions, SnappedPoint};
-pub use places::{PaintPlace, paint_places};
-pub use point::snap_point;
-pub use snap::{SnapOptions, Snapped, snap};
-pub use surface::Surface;
+pub use markings::agreement::Agreement;
+pub use markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent};
+pub use markings::persistent::{GroundDirections, PersistentPoint, persistent_paint};
+pub use ridges::contrast::LineContrast;
+pub use turf::ground::GroundPicture;
+pub use turf::surface::Surface;

@@ -4,11 +4,11 @@
 //! A component has a length, and its pixels together have a colour and a brightness that can be
 //! tested.
 
-use super::super::ground_area::parts;
-use super::super::turf_levels::TurfExcess;
 use super::MarkingPixel;
 use super::ridges::RidgePixel;
 use super::stroke_colours::Colours;
+use crate::paint::turf::ground_area::parts;
+use crate::paint::turf::turf_levels::TurfExcess;
 use touchline_core::geometry::ImageSize;
 
 /// Minimum extent of a connected component, px at 1920 px width, without the pixels that dilation

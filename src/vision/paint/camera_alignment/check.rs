@@ -15,10 +15,10 @@
 //!
 //! The rest of [`LineCheck`] describes the fit and finds fields of another size.
 
-use super::GroundPicture;
 use super::alignment::{LinearisedCamera, RidgeAlignment, StepPx};
 use super::sightings::{LineObservations, SampleContent, SamplingDistances};
 use super::unexplained::unexplained_share;
+use crate::paint::GroundPicture;
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::field::FieldModel;

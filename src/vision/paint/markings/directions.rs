@@ -3,7 +3,7 @@
 use touchline_core::geometry::{ImagePoint, Vec2};
 
 /// Number of bins over half a turn: a line and its reverse have one direction.
-pub(super) const DIRECTIONS: usize = 8;
+pub(in crate::paint) const DIRECTIONS: usize = 8;
 
 /// The bin of a normal, counted from x towards y. Bin 0 is centred on the x axis.
 pub(super) fn direction_of(normal: Vec2) -> usize {

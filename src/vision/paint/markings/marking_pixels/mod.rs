@@ -17,8 +17,8 @@ mod components;
 mod ridges;
 mod stroke_colours;
 
-use super::GroundPicture;
-use super::ground_area::GroundArea;
+use crate::paint::GroundPicture;
+use crate::paint::turf::ground_area::GroundArea;
 use components::long_ones;
 use ridges::ridges;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
@@ -145,9 +145,9 @@ impl Cells {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drawn::{PICTURE, SIZE, soccer, truth};
     use super::*;
     use crate::media::Picture;
+    use crate::paint::drawn::{PICTURE, SIZE, soccer, truth};
     use std::collections::BTreeSet;
     use touchline_core::geometry::{Vec3, median};
     use touchline_core::markings::{SampleOptions, sample_lines};

@@ -1,9 +1,9 @@
 //! Where a picture shows the paint of a field: the observations to which the frames of a camera are
 //! adjusted jointly.
 
-use super::GroundPicture;
 use super::alignment::ridge_sigma_px;
 use super::sightings::{LineObservations, SamplingDistances};
+use crate::paint::GroundPicture;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, subsample};

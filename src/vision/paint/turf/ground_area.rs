@@ -5,7 +5,7 @@
 //! ground's most common colours and its brightness varies little. Morphology removes small
 //! mistakes; the largest component, with its holes filled, is the area.
 
-use super::GroundPicture;
+use crate::paint::GroundPicture;
 use std::ops::Range;
 use touchline_core::geometry::ImagePoint;
 
@@ -25,7 +25,7 @@ const SCATTER: f64 = 4.0;
 const BORDER_BLOCKS: usize = 2;
 
 /// The ground area of a picture.
-pub(super) struct GroundArea {
+pub(in crate::paint) struct GroundArea {
     width: usize,
     columns: usize,
     /// For each block, whether it lies in the area.
@@ -223,7 +223,7 @@ impl Grid {
 }
 
 /// The 8-connected components of the set cells, as lists of cell indices.
-pub(super) fn parts(set: &[bool], columns: usize) -> Vec<Vec<usize>> {
+pub(in crate::paint) fn parts(set: &[bool], columns: usize) -> Vec<Vec<usize>> {
     let rows = set.len() / columns.max(1);
     let mut reached = vec![false; set.len()];
     let mut parts = Vec::new();

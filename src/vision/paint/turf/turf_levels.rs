@@ -6,8 +6,8 @@
 //! a light stripe then differs from the dark one beside it as paint does, by grey alone. Paint is
 //! also brighter than the *light* stripes around it.
 
-use super::GroundPicture;
 use super::ground_area::GroundArea;
+use crate::paint::GroundPicture;
 
 /// Side of a block of the picture, px. The levels at a point are those of its block and the eight
 /// around it: wide enough for several of the stripes that are as thin as lines.
@@ -29,7 +29,7 @@ struct Quartiles {
 }
 
 /// The turf's brightness all over a picture.
-pub(super) struct TurfLevels {
+pub(in crate::paint) struct TurfLevels {
     columns: usize,
     /// By block, row by row; none where little turf is seen.
     quartiles: Vec<Option<Quartiles>>,
@@ -37,7 +37,7 @@ pub(super) struct TurfLevels {
 
 /// Sums over the pixels of a marking.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TurfExcess {
+pub(in crate::paint) struct TurfExcess {
     above_turf: f64,
     spread_of_turf: f64,
 }

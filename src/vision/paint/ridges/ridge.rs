@@ -4,10 +4,10 @@
 //! width, and has the ground's colours beside it. Its offset is the midpoint of the edges. Other
 //! floors are searched by colour (`floor_ridge.rs`).
 
-use super::GroundPicture;
 use super::across::{Across, Ridge, is_like_paint};
 use super::floor_ridge::FloorRidgeFinder;
 use super::profile::{Profile, is_local_maximum};
+use crate::paint::GroundPicture;
 
 /// Minimum contrast of paint against the brighter of its sides, grey levels.
 const MIN_CONTRAST: f64 = 4.5;
@@ -17,7 +17,7 @@ const MIN_CONTRAST_SHARE: f64 = 0.05;
 
 /// Finds ridges. Its buffers are reused from line to line.
 #[derive(Clone, Debug, Default)]
-pub(super) struct RidgeFinder {
+pub(in crate::paint) struct RidgeFinder {
     profile: Profile<f64>,
     contrast: Vec<f64>,
     on_floors: FloorRidgeFinder,

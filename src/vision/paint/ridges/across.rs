@@ -1,6 +1,6 @@
 //! The search for paint along the normal of a line: its geometry and its result.
 
-use super::GroundPicture;
+use crate::paint::GroundPicture;
 use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_core::markings::LineSample;
 
@@ -15,7 +15,7 @@ const COLOUR_PX: [f64; 3] = [2.0, 3.5, 5.0];
 
 /// A ridge of paint across a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ridge {
+pub(in crate::paint) struct Ridge {
     /// Offset of its centre from the predicted line, px along the normal.
     pub offset_px: f64,
     /// Full width at half the contrast, px.
@@ -24,7 +24,7 @@ pub(super) struct Ridge {
 
 /// The position, direction and expected width of a search for paint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Across {
+pub(in crate::paint) struct Across {
     /// Centre of the search, px.
     pub at: ImagePoint,
     /// Unit vector across the line, in the picture.

@@ -1,10 +1,10 @@
 //! Observations of the paint that a camera predicts: samples along the lines, and the ridges that
 //! the picture shows across each.
 
-use super::GroundPicture;
-use super::across::{Across, Ridge};
-use super::ridge::RidgeFinder;
-use super::surface::GroundPart;
+use crate::paint::GroundPicture;
+use crate::paint::ridges::across::{Across, Ridge};
+use crate::paint::ridges::ridge::RidgeFinder;
+use crate::paint::turf::surface::GroundPart;
 use std::ops::Range;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
@@ -52,7 +52,7 @@ impl LineObservations {
     /// Searches a picture for the paint that a camera predicts. Lengths of `look` are px of the
     /// picture.
     #[must_use]
-    pub(super) fn search(
+    pub(in crate::paint) fn search(
         ground: &GroundPicture,
         field: &FieldModel,
         camera: &PtzCamera,

@@ -277,7 +277,7 @@ pub(super) fn sample_sigmas_px(sightings: &LineObservations, scale: f64) -> Vec<
 /// such ridges has the variance σ²/n + τ². Independent ridges of variance σ² + n τ² have the same
 /// mean and the same variance of it, so a line with many samples does not count for more than its
 /// common error allows, and no covariance matrix is needed.
-pub(super) fn ridge_sigma_px(count: u32, scale: f64) -> f64 {
+pub(in crate::paint) fn ridge_sigma_px(count: u32, scale: f64) -> f64 {
     (RIDGE_SIGMA_PX.powi(2) + f64::from(count) * LINE_SIGMA_PX.powi(2)).sqrt() * scale
 }
 

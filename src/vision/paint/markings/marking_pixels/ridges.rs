@@ -5,12 +5,12 @@
 //! of thin lines and draws their centre to the brighter side. Whether a ridge is paint is not
 //! decided here.
 
-use super::super::GroundPicture;
-use super::super::ground_area::GroundArea;
-use super::super::profile::Profile;
-use super::super::turf_levels::{TurfExcess, TurfLevels};
 use super::stroke_colours::Colours;
 use crate::media::GreyPicture;
+use crate::paint::GroundPicture;
+use crate::paint::ridges::profile::Profile;
+use crate::paint::turf::ground_area::GroundArea;
+use crate::paint::turf::turf_levels::{TurfExcess, TurfLevels};
 use touchline_core::geometry::{ImagePoint, Vec2};
 
 /// Distances from the centre at which the ground is compared with a marking, px. The smallest suits

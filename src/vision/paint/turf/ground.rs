@@ -1,8 +1,8 @@
 //! A picture prepared for the search for paint.
 
-use super::Surface;
 use super::surface::GroundPart;
 use crate::media::{GreyPicture, Picture, grey_reduced};
+use crate::paint::Surface;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
 /// A picture with its brightness, the colours of its ground, and boxes to be ignored.
@@ -39,12 +39,12 @@ impl GroundPicture {
     }
 
     /// The picture in colour.
-    pub(super) const fn picture(&self) -> &Picture {
+    pub(in crate::paint) const fn picture(&self) -> &Picture {
         &self.picture
     }
 
     /// The brightness at full resolution.
-    pub(super) const fn grey(&self) -> &GreyPicture {
+    pub(in crate::paint) const fn grey(&self) -> &GreyPicture {
         &self.grey
     }
 
@@ -55,7 +55,7 @@ impl GroundPicture {
     }
 
     /// The part of the ground that the pixel at a point belongs to. None outside the picture.
-    pub(super) fn part(&self, at: ImagePoint) -> Option<GroundPart> {
+    pub(in crate::paint) fn part(&self, at: ImagePoint) -> Option<GroundPart> {
         // As an integer, a negative number or NaN would be 0, a pixel of the picture.
         if !(at.x >= 0.0 && at.y >= 0.0) {
             return None;
@@ -65,7 +65,7 @@ impl GroundPicture {
     }
 
     /// The boxes to be ignored, px.
-    pub(super) fn masks(&self) -> &[PixelBox] {
+    pub(in crate::paint) fn masks(&self) -> &[PixelBox] {
         &self.masks
     }
 

@@ -1,9 +1,9 @@
 //! Paint that a camera does not predict: ridges along rows and columns of the picture that lie away
 //! from every predicted line.
 
-use super::GroundPicture;
-use super::across::Across;
-use super::ridge::RidgeFinder;
+use crate::paint::GroundPicture;
+use crate::paint::ridges::across::Across;
+use crate::paint::ridges::ridge::RidgeFinder;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};

@@ -10,15 +10,15 @@
 //! 3. The crossing of the two lines that meet at the widest angle is the start of a robust
 //!    least-squares fit of all lines (`crossing.rs`), whose covariance gives the 1-σ.
 
-use super::GroundPicture;
-use super::across::Across;
 use super::crossing::{
     CrossingAtScale, CrossingLine, CrossingState, MOST_LINES, PaintedSample, meeting_point,
     residual_px,
 };
 use super::placed_point::{PointSnapOptions, SnappedPoint, lines_through};
-use super::ridge::RidgeFinder;
 use super::spot::snap_spot;
+use crate::paint::GroundPicture;
+use crate::paint::ridges::across::Across;
+use crate::paint::ridges::ridge::RidgeFinder;
 use nalgebra::Matrix2;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, Landmark};

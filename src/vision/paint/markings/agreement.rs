@@ -24,7 +24,7 @@ pub struct Agreement {
 }
 
 /// The markings of a picture, prepared for comparison with many cameras.
-pub(super) struct PaintedCells<'a> {
+pub(in crate::paint) struct PaintedCells<'a> {
     marking_pixels: &'a MarkingPixels,
     cells: DirectedCells,
 }

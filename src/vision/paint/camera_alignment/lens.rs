@@ -8,7 +8,7 @@
 //! all. A grid is used instead of descent because far from the minimum the robust loss makes the
 //! cost flat.
 
-use super::{GroundPicture, SnapError, paint_places};
+use crate::paint::{GroundPicture, SnapError, paint_places};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::solve::{Loss, Observation, Refined, refine};

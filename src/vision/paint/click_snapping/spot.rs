@@ -10,9 +10,9 @@
 //! the contrast is weak, if the template explains too little, or if another offset is nearly as
 //! good.
 
-use super::GroundPicture;
 use super::drawn_spot::{DrawnSpot, Shape, SpotProblem};
 use super::placed_point::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
+use crate::paint::GroundPicture;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::geometry::{ImagePoint, Vec2};

@@ -16,8 +16,8 @@
 //!
 //! [`gauss_newton_step`]: touchline_core::solve::gauss_newton_step
 
-use super::across::Ridge;
 use super::placed_point::LINE_SIGMA_PX;
+use crate::paint::ridges::across::Ridge;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector1};
 use touchline_core::field::FieldElement;
 use touchline_core::geometry::Vec2;
@@ -226,7 +226,7 @@ fn offset_by_state(place: &PaintedSample, line: usize) -> CrossingState {
 }
 
 /// Signed distance from a line at a sample to the nearest ridge, px.
-pub(super) fn residual_px(
+pub(in crate::paint) fn residual_px(
     place: &PaintedSample,
     line: usize,
     state: &CrossingState,

@@ -12,10 +12,10 @@
 //! Their edges are measured along the colour direction in which the line stands out. If the sides
 //! differ in that direction, a blurred stripe of known width is fitted instead.
 
-use super::GroundPicture;
 use super::across::{Across, Ridge, is_like_paint};
 use super::colours::{Colour, ColourProfile};
 use super::profile::is_local_maximum;
+use crate::paint::GroundPicture;
 use touchline_core::geometry::{Mat3, Vec3};
 
 /// Minimum distance of a line's colour from all mixtures of its sides' colours, grey levels.
@@ -400,7 +400,11 @@ mod tests {
                 &SnapOptions::default(),
             )
             .unwrap();
-            let off = crate::paint::check::overlays_apart_px(&court_truth(), found.ptz, SIZE);
+            let off = crate::paint::camera_alignment::check::overlays_apart_px(
+                &court_truth(),
+                found.ptz,
+                SIZE,
+            );
             assert!(off < 0.3, "{off} px: {found:?}");
         }
     }

@@ -31,7 +31,7 @@ pub struct SnappedPoint {
 }
 
 /// 1-σ of the error that all ridges of a line share, px at 1920 px width.
-pub(super) const LINE_SIGMA_PX: f64 = 0.35;
+pub(in crate::paint) const LINE_SIGMA_PX: f64 = 0.35;
 
 /// Maximum distance between a landmark and a line that passes through it, m.
 const THROUGH_M: f64 = 0.02;

@@ -5,7 +5,7 @@
 //! shows such a line at thousands of places, and the noise of a mean falls with the square root of
 //! their number: a line that is one grey level brighter than the turf is then plain to see.
 
-use super::GroundPicture;
+use crate::paint::GroundPicture;
 use std::ops::AddAssign;
 use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_core::markings::LineSample;

@@ -8,7 +8,7 @@ use touchline_core::geometry::{ImagePoint, Vec2};
 const ALONG_PX: [f64; 3] = [-3.0, 0.0, 3.0];
 
 /// A picture from which a profile is read.
-pub(super) trait ProfileSource {
+pub(in crate::paint) trait ProfileSource {
     /// What a sample of the profile is: a grey level, or a colour.
     type Value;
 
@@ -27,7 +27,7 @@ impl ProfileSource for GreyPicture {
 /// Grey levels or colours at equal distances along a normal. The buffers are reused from profile to
 /// profile.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Profile<T> {
+pub(in crate::paint) struct Profile<T> {
     /// From one end of the normal to the other.
     values: Vec<T>,
     /// Prefix sums of the values, so that a mean over any range costs two look-ups.

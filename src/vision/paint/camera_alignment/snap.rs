@@ -41,7 +41,7 @@ use super::check::{check_lines, halves_apart_px, overlays_apart_px};
 use super::lens::{OwnLens, own_lens};
 use super::search::likely_steps;
 use super::sightings::{LineObservations, SamplingDistances};
-use super::{GroundPicture, LineCheck, SnapError};
+use crate::paint::{GroundPicture, LineCheck, SnapError};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{stride_of_subsample, subsample};

@@ -23,7 +23,7 @@ const HIDDEN_SHARE: f64 = 0.4;
 /// The painted lines of a field as polylines of points in `base`, m. The base is the same for all
 /// cameras, so the points are transformed once.
 #[derive(Clone, Debug)]
-pub(super) struct Chains(Vec<Vec<Vec3>>);
+pub(in crate::paint) struct Chains(Vec<Vec<Vec3>>);
 
 impl Chains {
     /// Points of a line are at most `piece_m` apart.
@@ -52,7 +52,7 @@ impl Chains {
 
 /// What a picture shows, as maps over a grid of cells.
 #[derive(Clone, Debug)]
-pub(super) struct EvidenceMaps {
+pub(in crate::paint) struct EvidenceMaps {
     cell_px: f64,
     columns: usize,
     rows: usize,

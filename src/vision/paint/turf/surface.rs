@@ -68,7 +68,7 @@ pub struct Surface {
 
 /// The part of the ground that a pixel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum GroundPart {
+pub(in crate::paint) enum GroundPart {
     /// Turf, or the floor's own colour.
     Bare,
     /// An area painted on a floor.
@@ -142,7 +142,7 @@ impl Surface {
 
     /// The part of the ground that a colour belongs to. None if it is not the ground's.
     #[must_use]
-    pub(super) fn part(&self, colour: [u8; 3]) -> Option<GroundPart> {
+    pub(in crate::paint) fn part(&self, colour: [u8; 3]) -> Option<GroundPart> {
         let bin = bin(colour)?;
         match (self.of_ground[bin], self.of_areas[bin]) {
             (true, _) => Some(GroundPart::Bare),
