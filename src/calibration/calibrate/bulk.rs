@@ -6,10 +6,10 @@
 //! until that is done. Frames that were edited since the copy was taken keep their edits; only they
 //! are processed again when the change is joined.
 
-use super::follow_base::follow_bases;
-use super::solve_frames::{is_by_clicks, solve_by_clicks};
-use super::which_camera::{add_camera_like, assign_frames, check_assigned};
 use super::{AssignError, EstimatedBase, FoundCamera};
+use crate::calibrate::base::follow_base::follow_bases;
+use crate::calibrate::frames::solve_frames::{is_by_clicks, solve_by_clicks};
+use crate::calibrate::frames::which_camera::{add_camera_like, assign_frames, check_assigned};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,8 +1,8 @@
 //! Stored solutions from clicks that no longer follow from the document's base.
 
-use super::super::calibration::rms_of_clicks_px;
 use super::super::{FrameLookup, calibrate, observations};
 use super::fault::{Fault, Problem};
+use crate::calibrate::frames::calibration::rms_of_clicks_px;
 use rayon::prelude::*;
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, DocumentAt, Fields, Frame};

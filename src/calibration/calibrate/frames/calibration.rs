@@ -1,7 +1,7 @@
 //! From a frame's clicks to its camera: collects what a document contributes to a solve.
 
-use super::FrameLookup;
 use super::from_proposal::inform;
+use crate::calibrate::FrameLookup;
 use thiserror::Error;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, LandmarkId};
@@ -87,7 +87,10 @@ pub fn observations(
 
 /// Root mean square distance of clicks from what a camera projects, px; check clicks and those that
 /// it does not show do not count. None without any.
-pub(super) fn rms_of_clicks_px(clicks: &[Observation], camera: &PtzCamera) -> Option<f64> {
+pub(in crate::calibrate) fn rms_of_clicks_px(
+    clicks: &[Observation],
+    camera: &PtzCamera,
+) -> Option<f64> {
     let used = clicks.iter().filter(|click| !click.check);
     let squares: Vec<f64> = used
         .filter_map(|click| click.distance_px(camera))

@@ -95,7 +95,7 @@ pub fn assign_to_camera(
 }
 
 /// Checks whether frames can be assigned to a camera.
-pub(super) fn check_assigned(
+pub(in crate::calibrate) fn check_assigned(
     document: &Document,
     frames: &[usize],
     camera: &CameraId,
@@ -124,7 +124,7 @@ pub(super) fn check_assigned(
 
 /// Assigns frames to a camera that fits them. If `progress` cancels this, some frames have been
 /// changed and the document must be discarded.
-pub(super) fn assign_frames(
+pub(in crate::calibrate) fn assign_frames(
     document: &mut Document,
     frames: &[usize],
     camera: &CameraId,

@@ -1,7 +1,7 @@
 //! Solves all frames of a document from their clicks.
 
-use super::CalibrationError;
 use super::solve_frames::{FrameFields, record_if_solved, solve_frames};
+use crate::calibrate::CalibrationError;
 use std::path::Path;
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;

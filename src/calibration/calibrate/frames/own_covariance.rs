@@ -6,7 +6,7 @@
 //! difference of two nearly equal matrices is seldom positive definite, and with the total in its
 //! place a frame that is on its lines within half a pixel would seem to be known to 100 px.
 
-use super::observations;
+use crate::calibrate::observations;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, Mat3};

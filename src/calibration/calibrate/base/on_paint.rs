@@ -59,7 +59,7 @@ impl BasePaintEvidence {
 impl BasePaintAlignment {
     /// Writes those of the aligned frames that are at these indices (ascending), except frames
     /// whose clicks, camera or use have changed since the estimation.
-    pub(super) fn write_frames(&self, document: &mut Document, places: &[usize]) {
+    pub(in crate::calibrate) fn write_frames(&self, document: &mut Document, places: &[usize]) {
         for pulled in &self.pulled {
             let Some(index) = document.frames.position_of(&pulled.id) else {
                 continue;

@@ -9,10 +9,10 @@ use super::known_frames::{
     AT_ONCE, BaseOnPaintError, KnownCameras, KnownFrames, OpenField, PaintEstimate,
 };
 use super::on_paint::{BasePaintAlignment, BasePaintEvidence};
-use super::paint::{record_snapped, snap_frame};
 use super::refit::refit;
-use super::solve_frames::is_by_clicks;
-use super::{BaseEstimationError, BaseProblem, EstimatedBase};
+use crate::calibrate::frames::solve_frames::is_by_clicks;
+use crate::calibrate::paint::{record_snapped, snap_frame};
+use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;

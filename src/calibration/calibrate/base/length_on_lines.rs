@@ -9,9 +9,9 @@
 
 use super::base_on_paint::PictureOf;
 use super::field_size::set_field_size;
-use super::paint::LINE_CHECK;
 use super::size_fit::OpenSize;
 use super::unseen_length::{LENGTH, UnseenLength};
+use crate::calibrate::paint::LINE_CHECK;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel};

@@ -5,9 +5,9 @@
 //! is of no use there; each frame's lines give position, rotation, lens and focal length together
 //! ([`camera_from_lines`]). The document then has a camera for each such frame.
 
-use super::base_readiness::LANDMARKS_ALONE;
-use super::calibration::rms_of_clicks_px;
-use super::observations;
+use crate::calibrate::base_readiness::LANDMARKS_ALONE;
+use crate::calibrate::frames::calibration::rms_of_clicks_px;
+use crate::calibrate::observations;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -8,7 +8,7 @@ use touchline_documents::document::{CameraId, Document, FieldSize, FieldSpec};
 ///
 /// With several cameras, each gets a field of its own where one of these changes: they may be at
 /// different venues.
-pub(super) fn write_base(
+pub(in crate::calibrate) fn write_base(
     document: &mut Document,
     camera: &CameraId,
     base: &CameraBase,

@@ -30,7 +30,7 @@ const TELLING_PX: f64 = 4.0;
 const SIGMAS: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
 
 /// How the lines of a field move with its length, and which end a camera has seen.
-pub(super) struct UnseenLength {
+pub(in crate::calibrate) struct UnseenLength {
     base: CameraBase,
     size: OpenSize,
     /// The assumed lengths of the field, in the order of `size.params`, m.

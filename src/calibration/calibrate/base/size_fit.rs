@@ -1,7 +1,7 @@
 //! Fits the size of a document's field to the clicks of a camera.
 
 use super::field_size::set_field_size;
-use super::{BaseEstimationError, BaseProblem, EstimatedBase};
+use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
 use std::collections::BTreeMap;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldModel, Template};

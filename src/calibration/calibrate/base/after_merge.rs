@@ -7,7 +7,7 @@
 
 use super::follow_base::follow_base;
 use super::refit::refit;
-use super::solve_frames::{is_by_clicks, solve_by_clicks};
+use crate::calibrate::frames::solve_frames::{is_by_clicks, solve_by_clicks};
 use std::path::Path;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;

@@ -10,7 +10,7 @@
 use super::field_size::set_size;
 use super::on_paint::{BasePaintEvidence, OnPaintErrors};
 use super::size_fit::OpenSize;
-use super::{BaseEstimationError, BaseProblem};
+use crate::calibrate::{BaseEstimationError, BaseProblem};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use thiserror::Error;

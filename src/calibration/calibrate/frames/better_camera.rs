@@ -1,6 +1,6 @@
 //! Detects that another camera of the document fits a frame better than its own.
 
-use super::observations;
+use crate::calibrate::observations;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
 use touchline_core::solve::{

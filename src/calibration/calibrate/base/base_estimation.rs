@@ -1,12 +1,12 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
-use super::base_readiness::LANDMARKS_ALONE;
 use super::field_size::write_base;
 use super::follow_base::pan_turn;
 use super::on_paint::BasePaintAlignment;
 use super::own_cameras::cameras_from_lines;
-use super::solve_frames::{FrameFields, is_by_clicks, solve_frames};
-use super::{CalibrationError, observations};
+use crate::calibrate::base_readiness::LANDMARKS_ALONE;
+use crate::calibrate::frames::solve_frames::{FrameFields, is_by_clicks, solve_frames};
+use crate::calibrate::{CalibrationError, observations};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
@@ -62,8 +62,8 @@ pub struct BaseProblem {
     pub frames: Vec<usize>,
     /// Their clicks, in the same order.
     pub clicks: Vec<FrameClicks>,
-    pub(super) image_size: ImageSize,
-    pub(super) principal_point: ImagePoint,
+    pub(in crate::calibrate) image_size: ImageSize,
+    pub(in crate::calibrate) principal_point: ImagePoint,
     pub(super) previous: Option<CameraBase>,
 }
 
@@ -459,7 +459,7 @@ impl EstimatedBase {
     /// The part of [`Self::write_to`] that changes frames, for some of them by their indices.
     /// `document` has the base already, `before` does not. If `progress` cancels this, some frames
     /// have been changed and the document must be discarded.
-    pub(super) fn write_frames(
+    pub(in crate::calibrate) fn write_frames(
         &self,
         document: &mut Document,
         before: &Document,

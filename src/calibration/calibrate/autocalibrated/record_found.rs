@@ -1,7 +1,7 @@
 //! Writes the result of autocalibration into its document.
 
-use super::field_size::write_base;
-use super::{AutocalibratedCamera, record_snapped};
+use crate::calibrate::base::field_size::write_base;
+use crate::calibrate::{AutocalibratedCamera, record_snapped};
 use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};

@@ -4,7 +4,7 @@
 //! tilt and focal length are solved for again such that these stay where they were as well as the
 //! new base allows.
 
-use super::paint::{BASE_MOVED, replace_warning};
+use crate::calibrate::paint::{BASE_MOVED, replace_warning};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, median_high};
 use touchline_core::solve::{ClickResidual, Observation, SolveContext, solve_frame};

@@ -1,7 +1,7 @@
 //! Solves many frames of a document at once.
 
 use super::better_camera::warn_of_better_camera;
-use super::{CalibrationError, FrameLookup, calibrate};
+use crate::calibrate::{CalibrationError, FrameLookup, calibrate};
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ type Solved = Result<Box<FrameSolution>, CalibrationError>;
 
 /// The fields of the frames to be solved.
 #[derive(Clone, Copy)]
-pub(super) enum FrameFields<'a> {
+pub(in crate::calibrate) enum FrameFields<'a> {
     /// All fields of the document. A frame gets a warning if another camera fits it better.
     Document(&'a Fields),
     /// The field of a single camera, which all frames belong to.
@@ -31,7 +31,7 @@ const AT_ONCE: usize = 4096;
 ///
 /// Every frame is solved with its neighbours as they were before. A frame whose clicks fit two
 /// cameras equally well is then solved once more, with its neighbours as solved.
-pub(super) fn solve_frames(
+pub(in crate::calibrate) fn solve_frames(
     document: &mut Document,
     places: &[usize],
     fields: FrameFields<'_>,
@@ -110,7 +110,7 @@ fn solve_one(
 ///
 /// # Errors
 /// A field of the document is not valid; no frame is solved then.
-pub(super) fn solve_by_clicks(
+pub(in crate::calibrate) fn solve_by_clicks(
     document: &mut Document,
     folder: &Path,
     places: &[usize],

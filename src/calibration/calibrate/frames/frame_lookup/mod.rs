@@ -10,7 +10,7 @@ mod accepted;
 mod shot;
 mod sorted;
 
-use super::BaseReadiness;
+use crate::calibrate::BaseReadiness;
 use accepted::Accepted;
 use shot::{Moment, Shot};
 use std::collections::{BTreeMap, BTreeSet};

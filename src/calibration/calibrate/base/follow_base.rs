@@ -1,7 +1,7 @@
 //! What happens to frames without clicks when their camera's base has changed.
 
-use super::paint::{LINE_CHECK, replace_warning};
 use super::refit::refit;
+use crate::calibrate::paint::{LINE_CHECK, replace_warning};
 use std::collections::BTreeSet;
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::Angle;
@@ -123,7 +123,7 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
 }
 
 /// Whether a frame has the same pan, tilt and focal length in two documents, with pan in the gauge
-/// of each document's base: [`EstimatedBase::write_to`](super::EstimatedBase::write_to) converts
+/// of each document's base: [`EstimatedBase::write_to`](crate::calibrate::EstimatedBase::write_to) converts
 /// the pans of all frames to the gauge of the new base.
 fn is_same_camera(now: (&Document, &Frame), before: (&Document, &Frame)) -> bool {
     let (Some(ptz), Some(known)) = (&now.1.ptz, &before.1.ptz) else {

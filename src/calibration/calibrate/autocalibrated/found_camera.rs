@@ -1,6 +1,6 @@
 //! The result of autocalibration on its way into a document that has been edited meanwhile.
 
-use super::{AutocalibratedCamera, AutocalibratedFrame, record_found};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, record_found};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{CameraId, Document, FrameId};
@@ -48,7 +48,7 @@ impl FoundCamera {
 
     /// Writes base, crown and suggestions into a document. Frames that a person has clicked in or
     /// decided on do not change.
-    pub(super) fn write(&self, document: &mut Document) {
+    pub(in crate::calibrate) fn write(&self, document: &mut Document) {
         // While the search ran, frames may have been added, removed or moved: ids stay, indices do
         // not.
         let frames = self
