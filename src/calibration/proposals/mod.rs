@@ -20,66 +20,49 @@
 //! | [`adopt_bases`] | check that a forest and a document have the same camera bases |
 //! | [`camera_of_size`] | the camera of a picture that says nothing but its size |
 //!
+//! Pictures and their features are in `pictures`, the forest is trained in `training` and asked in
+//! `answers`; `label_advice` says where to label next.
+//!
 //! The trainer of the window and the command line both use this module. Nothing here starts a
 //! thread of its own.
 
-mod advice;
+mod answers;
 mod bases;
-mod batches;
-mod burnt_in;
 mod camera_of_size;
-mod coverage;
-mod expected_wrong;
-mod features;
-mod find_burnt_in;
 mod key_frames;
-mod label;
-mod label_needs;
-mod learning;
-mod line_evidence;
-mod needing_frames;
-mod order;
-mod picture;
-mod project;
-mod proposal;
-mod proposing;
-mod quality;
-mod request;
-mod spread;
-mod store;
-mod suggestions;
-mod suspects;
-mod tracked;
-mod training_frames;
-mod training_sample;
-mod training_set;
-mod used_features;
+mod label_advice;
+mod pictures;
+mod training;
 
-pub use advice::{LabelAdvice, LabelNext, label_advice};
+pub use answers::expected_wrong::ExpectedWrong;
+pub use answers::line_evidence::LineEvidence;
+pub use answers::order::QueryOrder;
+pub use answers::project::{Discarded, Project, RefusedForests, SuggestionUpdate};
+pub use answers::proposal::{Answer, NoProposal, Proposal, Timings};
+pub use answers::proposing::propose;
+pub use answers::request::FrameRequest;
+pub use answers::suggestions::{BatchId, Finder};
+pub use answers::tracked::{TrackedProposal, suggest_tracked_clip};
 pub use bases::{BaseMismatch, adopt_bases};
-pub use batches::FrameWithFeatures;
-pub use burnt_in::FoundMask;
 pub use camera_of_size::{CameraOfSizeError, camera_of_size};
-pub use coverage::{Coverage, CoverageCell};
-pub use expected_wrong::ExpectedWrong;
-pub use features::{FrameFeatures, FramePictures, Resolution};
-pub use find_burnt_in::find_burnt_in;
 pub use key_frames::KeyWindow;
-pub use label_needs::{LabelNeeds, is_uncertain};
-pub use learning::{LearnError, LearnOptions, ReferenceSamples, TrainingSampleError, learn, study};
-pub use line_evidence::LineEvidence;
-pub use order::QueryOrder;
-pub use picture::{FramePicture, PictureError, PictureStream, read_picture};
-pub use project::{Discarded, Project, RefusedForests, SuggestionUpdate};
-pub use proposal::{Answer, NoProposal, Proposal, Timings};
-pub use proposing::propose;
-pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
-pub use request::FrameRequest;
-pub use store::{FeatureStore, WorkFolder};
-pub use suggestions::{BatchId, Finder};
-pub use suspects::{Suspect, find_suspects};
-pub use tracked::{TrackedProposal, suggest_tracked_clip};
-pub use training_frames::TrainingFrames;
-pub use training_sample::{FeatureRays, TrainingSample};
-pub use training_set::TrainingSet;
-pub use used_features::{FeatureUse, UsedFeatures};
+pub use label_advice::advice::{LabelAdvice, LabelNext, label_advice};
+pub use label_advice::coverage::{Coverage, CoverageCell};
+pub use label_advice::label_needs::{LabelNeeds, is_uncertain};
+pub use pictures::batches::FrameWithFeatures;
+pub use pictures::features::{FrameFeatures, FramePictures, Resolution};
+pub use pictures::picture::{FramePicture, PictureError, PictureStream, read_picture};
+pub use pictures::store::{FeatureStore, WorkFolder};
+pub use pictures::used_features::{FeatureUse, UsedFeatures};
+pub use training::burnt_in::FoundMask;
+pub use training::find_burnt_in::find_burnt_in;
+pub use training::learning::{
+    LearnError, LearnOptions, ReferenceSamples, TrainingSampleError, learn, study,
+};
+pub use training::quality::{
+    FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px,
+};
+pub use training::suspects::{Suspect, find_suspects};
+pub use training::training_frames::TrainingFrames;
+pub use training::training_sample::{FeatureRays, TrainingSample};
+pub use training::training_set::TrainingSet;

@@ -11,7 +11,7 @@
 //! undone, the frame is untouched again and shows whatever is suggested for it at that time.
 
 use super::suggestions::{Novelty, RemovedBatch, Suggestions};
-use super::{BatchId, Finder, FrameRequest};
+use crate::proposals::{BatchId, Finder, FrameRequest};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::pluralise;
@@ -23,11 +23,11 @@ use touchline_documents::document::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct SuggestionUpdate {
     /// Id of the frame.
-    pub(super) id: FrameId,
+    pub(in crate::proposals) id: FrameId,
     /// The frame at the time of the request.
-    pub(super) request: FrameRequest,
+    pub(in crate::proposals) request: FrameRequest,
     /// The suggestion for it.
-    pub(super) suggestion: Suggestion,
+    pub(in crate::proposals) suggestion: Suggestion,
 }
 
 impl SuggestionUpdate {

@@ -1,7 +1,7 @@
 //! Cameras that are tracked to a frame from neighbours with a camera from the forest or the user.
 
-use super::{FrameRequest, SuggestionUpdate};
 use crate::calibrate::{TrackedClip, TrackedFrame, record_tracked_frame};
+use crate::proposals::{FrameRequest, SuggestionUpdate};
 use touchline_documents::document::{Document, Frame, FrameId, Suggestion};
 
 /// A camera that was tracked to a frame.

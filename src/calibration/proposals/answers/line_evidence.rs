@@ -4,8 +4,8 @@
 //! enters the confidence of the proposal, can reject it, and can replace it by a camera that is
 //! aligned to the paint.
 
-use super::{Answer, FramePicture, NoProposal, PictureStream, Proposal, read_picture};
 use crate::calibrate::may_replace;
+use crate::proposals::{Answer, FramePicture, NoProposal, PictureStream, Proposal, read_picture};
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldError;

@@ -4,9 +4,9 @@
 //! reference in one direction adds less. If the directions of a shot's frames are unknown, a label
 //! in the shot with most such frames helps.
 
-use super::Coverage;
 use super::label_needs::LabelNeeds;
 use super::needing_frames::{DIRECTION_DEG, HorizontalView, NeedingFrames};
+use crate::proposals::Coverage;
 use touchline_core::geometry::{Angle, AngleRange};
 use touchline_documents::document::{CameraId, Document};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 /// At most `most` of the values, evenly spread and including the first and the last. `most` must be
 /// at least 2.
-pub(super) fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
+pub(in crate::proposals) fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
     let count = all.len();
     if count <= most {
         return all;

@@ -1,8 +1,8 @@
 //! A proposed camera as plain data: its frame, the forest that found it, and the camera or the
 //! reason why there is none.
 
-use super::{FrameRequest, PictureError, SuggestionUpdate};
 use crate::calibrate::paint_evidence;
+use crate::proposals::{FrameRequest, PictureError, SuggestionUpdate};
 use std::time::Duration;
 use thiserror::Error;
 use touchline_core::geometry::Mat3;
@@ -186,7 +186,7 @@ impl Proposal {
     }
 
     /// The suggestion for its frame: a camera, or none with the reason as a warning.
-    pub(super) fn suggestion(&self) -> Suggestion {
+    pub(in crate::proposals) fn suggestion(&self) -> Suggestion {
         let timings_ms = Some(TimingsMs::from(self.timings));
         let solution = Solution {
             source: Some(SolutionSource::Forest),

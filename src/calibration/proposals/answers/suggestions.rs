@@ -54,7 +54,7 @@ impl Finder {
 
 /// How a new answer relates to the suggestions for its frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Novelty {
+pub(in crate::proposals) enum Novelty {
     /// It differs from the topmost suggestion.
     New,
     /// It equals the topmost suggestion.
@@ -66,7 +66,7 @@ pub(super) enum Novelty {
 
 /// The suggestions of the program, by frame.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Suggestions {
+pub(in crate::proposals) struct Suggestions {
     /// The stack of each frame, with the topmost suggestion last.
     by_frame: BTreeMap<FrameId, Vec<KeptSuggestion>>,
     finders: BTreeMap<BatchId, Finder>,
@@ -99,7 +99,7 @@ impl KeptSuggestion {
 
 /// The frames from which a batch was removed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct RemovedBatch {
+pub(in crate::proposals) struct RemovedBatch {
     pub frames: Vec<FrameId>,
     /// Generation of the newest forest that may not answer there again; none if no forest found the
     /// batch.

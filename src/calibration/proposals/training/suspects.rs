@@ -1,6 +1,6 @@
 //! Finds references with labels that contradict those of others.
 
-use super::{FramePictures, ReferenceSamples, TrainingSample, study};
+use crate::proposals::{FramePictures, ReferenceSamples, TrainingSample, study};
 use std::cmp::Reverse;
 use touchline_core::geometry::{Angle, AngleRange};
 use touchline_core::progress::Progress;

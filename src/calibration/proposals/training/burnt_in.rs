@@ -2,8 +2,8 @@
 //! in one place of the picture while the camera moves, so the forest would learn them as parts of
 //! the stadium in all directions.
 
-use super::TrainingSample;
 use super::training_sample::FeatureRays;
+use crate::proposals::TrainingSample;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImagePoint, PixelBox};
@@ -31,7 +31,7 @@ impl FoundMask {
     /// A mask for a graphic of a camera that was found in `frames`, the first and the last. Its
     /// range reaches to the frames of the video just inside those before and after that do not show
     /// it; it is open where there is none, or where that is of another video.
-    pub(super) fn new(
+    pub(in crate::proposals) fn new(
         document: &Document,
         camera: &Camera,
         pixel_box: PixelBox,

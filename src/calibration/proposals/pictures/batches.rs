@@ -5,7 +5,7 @@
 //! coarse features do not suffice.
 
 use super::features::ExtractionInput;
-use super::{FrameFeatures, FramePictures, PictureError, Resolution, read_picture};
+use crate::proposals::{FrameFeatures, FramePictures, PictureError, Resolution, read_picture};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -193,7 +193,7 @@ impl FramePictures<'_> {
 
     /// Calls `work` with the pictures of some frames, each read once, in parallel and batch by
     /// batch. Returns the results in the order of the frames; none if `work` ended it.
-    pub(super) fn each_picture<T: Send>(
+    pub(in crate::proposals) fn each_picture<T: Send>(
         &self,
         reader: &mut dyn ReadFrames,
         frames: &[usize],

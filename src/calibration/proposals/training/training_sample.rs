@@ -37,7 +37,7 @@ pub struct FeatureRays {
 
 impl TrainingSample {
     /// The sample of a frame with its index in the document and its camera.
-    pub(super) fn new(
+    pub(in crate::proposals) fn new(
         (index, frame): (usize, &Frame),
         camera: &PtzCamera,
         label: Label,
@@ -69,7 +69,7 @@ impl TrainingSample {
     }
 
     /// Queries a forest for its camera as for any frame: by its coarse features first.
-    pub(super) fn relocalize(
+    pub(in crate::proposals) fn relocalize(
         &self,
         forest: &Forest,
         seen: &SeenRange,

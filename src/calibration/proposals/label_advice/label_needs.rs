@@ -102,7 +102,7 @@ impl LabelNeeds {
 
     /// The frames of unknown direction in the shot that has most of them. Of equal shots, the one
     /// that begins first.
-    pub(super) fn unknown(&self) -> Option<&BTreeSet<usize>> {
+    pub(in crate::proposals) fn unknown(&self) -> Option<&BTreeSet<usize>> {
         let unknown = self
             .shots
             .values()
@@ -112,7 +112,7 @@ impl LabelNeeds {
     }
 
     /// The camera of a frame.
-    pub(super) fn camera_of(&self, index: usize) -> Option<&CameraId> {
+    pub(in crate::proposals) fn camera_of(&self, index: usize) -> Option<&CameraId> {
         self.frames.get(index).map(|frame| &frame.camera)
     }
 
@@ -261,8 +261,8 @@ fn doubt(frame: &Frame) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::needing_frames::Direction;
     use super::*;
-    use crate::proposals::needing_frames::Direction;
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{FieldSpec, FramePtz, Solution, SolutionSource};

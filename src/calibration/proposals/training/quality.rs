@@ -10,7 +10,7 @@
 //! pictures.
 
 use super::spread::spread;
-use super::{FramePictures, LearnOptions, ReferenceSamples, study};
+use crate::proposals::{FramePictures, LearnOptions, ReferenceSamples, study};
 use std::collections::BTreeSet;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, median, subsample};

@@ -3,7 +3,7 @@
 
 use super::burnt_in::{FoundMask, has_point_moved};
 use super::spread::spread;
-use super::{FramePictures, read_picture};
+use crate::proposals::{FramePictures, read_picture};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use touchline_core::camera::PtzCamera;

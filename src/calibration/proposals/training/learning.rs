@@ -2,7 +2,7 @@
 
 use super::burnt_in::{leave_out_burnt_in, with_found_masks};
 use super::label::label_of;
-use super::{
+use crate::proposals::{
     FoundMask, FrameFeatures, FramePictures, FrameWithFeatures, PictureError, Resolution,
     TrainingSample,
 };

@@ -10,17 +10,17 @@ pub(super) const DIRECTION_DEG: f64 = 1.0;
 /// The horizontal view of a frame: pan of its centre and half of its field of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HorizontalView {
-    pub(super) pan: Angle,
+    pub(in crate::proposals) pan: Angle,
     pub(super) half_view: Angle,
 }
 
 /// A frame that needs a label in about its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LabelCandidate {
-    pub(super) frame: usize,
-    pub(super) look: HorizontalView,
+    pub(in crate::proposals) frame: usize,
+    pub(in crate::proposals) look: HorizontalView,
     /// The probability that its answer is wrong, 0 to 1; 1 without an answer.
-    pub(super) need: f64,
+    pub(in crate::proposals) need: f64,
 }
 
 /// The frames of a camera that need a label and have a known view.
@@ -50,7 +50,11 @@ const PARTS: f64 = (1 << 30) as f64;
 
 impl NeedingFrames {
     /// Sets or removes the need of a frame. Returns whether that changed anything.
-    pub(super) fn put(&mut self, index: usize, needing: Option<LabelCandidate>) -> bool {
+    pub(in crate::proposals) fn put(
+        &mut self,
+        index: usize,
+        needing: Option<LabelCandidate>,
+    ) -> bool {
         // The direction in which the frame is listed, which may differ from that of the new view.
         let to = self.frames.get(&index).copied();
         let known = to.and_then(|to| Some((to, *self.directions.get(&to)?.frames.get(&index)?)));
@@ -81,7 +85,7 @@ impl NeedingFrames {
     }
 
     /// The directions that have frames, ascending.
-    pub(super) fn directions(&self) -> impl Iterator<Item = (i64, &Direction)> {
+    pub(in crate::proposals) fn directions(&self) -> impl Iterator<Item = (i64, &Direction)> {
         self.directions
             .iter()
             .map(|(&to, direction)| (to, direction))
@@ -102,7 +106,7 @@ impl NeedingFrames {
     }
 
     /// Number of frames with a pan within `reach` of this one.
-    pub(super) fn within(&self, pan: Angle, reach: Angle) -> usize {
+    pub(in crate::proposals) fn within(&self, pan: Angle, reach: Angle) -> usize {
         let half = Angle::from_degrees(DIRECTION_DEG / 2.0);
         // Directions entirely within or beyond the reach are counted as a whole, those at the limit
         // frame by frame.
@@ -124,7 +128,7 @@ impl NeedingFrames {
 
 impl Direction {
     /// The sum of the needs of its frames.
-    pub(super) fn need(&self) -> f64 {
+    pub(in crate::proposals) fn need(&self) -> f64 {
         self.need as f64 / PARTS
     }
 

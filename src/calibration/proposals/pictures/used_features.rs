@@ -1,6 +1,6 @@
 //! The use of a picture's features by the forest, for display over the picture.
 
-use super::FrameFeatures;
+use crate::proposals::FrameFeatures;
 use std::collections::BTreeSet;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Camera, Document, FrameId};

@@ -3,7 +3,7 @@
 //! They are extracted at two resolutions; `batches.rs` has what is done with them.
 
 use super::picture::check_size;
-use super::{FeatureStore, PictureError, read_picture};
+use crate::proposals::{FeatureStore, PictureError, read_picture};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -52,7 +52,7 @@ const KEPT_BYTES: usize = 36 << 20;
 
 /// The state of a frame before extraction: features from the store, a picture of a video, or an
 /// image file with its picture if that is read.
-pub(super) enum ExtractionInput {
+pub(in crate::proposals) enum ExtractionInput {
     Before(FrameFeatures),
     Video(Result<Picture, PictureError>, Option<FeatureKey>),
     Image(Option<Picture>),
@@ -60,7 +60,7 @@ pub(super) enum ExtractionInput {
 
 impl FramePictures<'_> {
     /// The features of a picture, from the store if it has them.
-    pub(super) fn features_in(
+    pub(in crate::proposals) fn features_in(
         &self,
         frame: &Frame,
         picture: &Picture,
@@ -84,7 +84,7 @@ impl FramePictures<'_> {
 
     /// What there is of a frame: its features in the store, or its picture if it is of a video.
     /// `picture` is the picture if it was read before.
-    pub(super) fn begin(
+    pub(in crate::proposals) fn begin(
         &self,
         reader: &mut dyn ReadFrames,
         frame: &Frame,

@@ -1,8 +1,8 @@
 //! Suggestions that arrive, are accepted, withdrawn and discarded, with undo, redo and restarts.
 
+use super::super::super::suggestions::KEPT_BASES;
+use super::super::Project;
 use super::{Desk, SIZE, base, document, proposal};
-use crate::proposals::project::Project;
-use crate::proposals::suggestions::KEPT_BASES;
 use crate::proposals::{FrameRequest, Proposal};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImagePoint;

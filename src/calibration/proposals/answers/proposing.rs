@@ -1,6 +1,8 @@
 //! Queries the forest for a frame.
 
-use super::{Answer, FrameFeatures, FrameRequest, NoProposal, PictureError, Proposal, Timings};
+use crate::proposals::{
+    Answer, FrameFeatures, FrameRequest, NoProposal, PictureError, Proposal, Timings,
+};
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{Document, FramePtz};
