@@ -1,11 +1,11 @@
 //! `touchline calibrate`: makes a project with its camera from frames alone.
 
 use super::Outcome;
-use super::document::{Loaded, is_document, refuse_unwritable};
 use super::match_report::MatchReport;
-use super::messages::Messages;
 use super::new::{parameter, read_field};
-use super::output::{
+use crate::cli::terminal::document::{Loaded, is_document, refuse_unwritable};
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{
     encode_png, refuse_existing, refuse_existing_file, refuse_file, refuse_other_than_png,
     write_file,
 };

@@ -1,9 +1,9 @@
 //! `touchline check`: lists the problems of a document.
 
 use super::Outcome;
-use super::document::{DocumentArg, Loaded};
-use super::messages::{Messages, count_steps};
-use super::output::print;
+use crate::cli::terminal::document::{DocumentArg, Loaded};
+use crate::cli::terminal::messages::{Messages, count_steps};
+use crate::cli::terminal::output::print;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use touchline_calibration::calibrate::{

@@ -1,8 +1,8 @@
 //! `touchline export --dataset`: writes a folder with frames, labels, pictures and a dataset card.
 
 use super::Outcome;
-use super::interrupt::Interrupt;
-use super::messages::Messages;
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::messages::Messages;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::PathBuf;
 use touchline_core::geometry::pluralise;

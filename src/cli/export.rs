@@ -2,10 +2,10 @@
 
 use super::Outcome;
 use super::dataset::{DatasetArgs, write_dataset};
-use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::messages::Messages;
-use super::output::{print, refuse_existing};
 use super::relocalize::probability;
+use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{print, refuse_existing};
 use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;

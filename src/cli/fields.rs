@@ -1,9 +1,9 @@
 //! `touchline fields`: lists and draws field templates.
 
 use super::Outcome;
-use super::messages::Messages;
 use super::new::parameter;
-use super::output::{encode_png, ending, print, refuse_existing_file, write_file};
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{encode_png, ending, print, refuse_existing_file, write_file};
 use anyhow::bail;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

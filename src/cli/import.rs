@@ -1,11 +1,11 @@
 //! `touchline import`: converts files of another program to a document, on request of a video.
 
 use super::Outcome;
-use super::attached_labels::{attach_to_video, open_video, read_labels, recognize};
-use super::document::DocumentOutput;
 use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, parse_width, zoom_of};
-use super::messages::{Messages, count_steps};
 use super::new::{parameter, read_field};
+use crate::cli::terminal::attached_labels::{attach_to_video, open_video, read_labels, recognize};
+use crate::cli::terminal::document::DocumentOutput;
+use crate::cli::terminal::messages::{Messages, count_steps};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::give_own_cameras;

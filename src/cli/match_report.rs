@@ -1,7 +1,7 @@
 //! Reports progress and results while a match is labelled: a bar for each step, and messages.
 
-use super::messages::{Messages, StepBar};
 use super::track::TrackingReport;
+use crate::cli::terminal::messages::{Messages, StepBar};
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent};

@@ -1,16 +1,16 @@
 //! `touchline mend`: puts the cameras of another program on one camera and its painted lines.
 
 use super::Outcome;
-use super::attached_labels::{
+use super::export::{format_parser, parse_size};
+use super::new::{parameter, read_field};
+use super::track::TrackingReport;
+use crate::cli::terminal::attached_labels::{
     AttachedLabels, attach_to_video, note_format, open_video, read_labels, recognize,
 };
-use super::document::{DocumentOutput, Loaded};
-use super::export::{format_parser, parse_size};
-use super::interrupt::Interrupt;
-use super::messages::{Messages, StepBar};
-use super::new::{parameter, read_field};
-use super::output::print;
-use super::track::TrackingReport;
+use crate::cli::terminal::document::{DocumentOutput, Loaded};
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::messages::{Messages, StepBar};
+use crate::cli::terminal::output::print;
 use anyhow::ensure;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};

@@ -1,8 +1,8 @@
 //! `touchline merge`: joins several people's versions of one document.
 
 use super::Outcome;
-use super::document::{DocumentOutput, Loaded};
-use super::messages::Messages;
+use crate::cli::terminal::document::{DocumentOutput, Loaded};
+use crate::cli::terminal::messages::Messages;
 use anyhow::Context as _;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! The command line: one file per command.
+//! The command line: one file per command. What commands share is in `terminal`; the commands for a
+//! season and those that only measure have folders of their own.
 //!
 //! Results go to `-o` or standard output; messages and progress go to standard error. Exit codes:
 //!
@@ -9,45 +10,32 @@
 //! | 2 | wrong usage or unreadable input, explained in one line |
 //! | 130 | stopped by Ctrl-C; a message says which parts of the work were written |
 
-mod attached_labels;
 mod calibrate;
 mod check;
-mod collect;
 mod dataset;
-mod document;
-mod evaluate;
-#[cfg(feature = "experiments")]
-mod experiment;
-#[cfg(not(feature = "experiments"))]
-#[path = "no_experiments.rs"]
-mod experiment;
 mod export;
-mod features;
 mod fields;
 mod import;
-mod interrupt;
 mod match_report;
+mod measuring;
 mod mend;
 mod merge;
-mod messages;
 mod new;
-mod output;
-mod plan;
 mod refine_base;
 mod relocalize;
 mod render;
-mod shard;
+mod season;
 mod snap;
 mod solve;
 mod split;
-mod synth;
+mod terminal;
 mod track;
 mod train;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
-use messages::Messages;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use terminal::messages::Messages;
 
 /// Calibrates a pan-tilt-zoom sports camera from two clicks.
 #[derive(Parser)]
@@ -66,25 +54,25 @@ struct Cli {
 enum Command {
     Calibrate(calibrate::CalibrateArgs),
     Check(check::CheckArgs),
-    Collect(collect::CollectArgs),
-    Evaluate(evaluate::EvaluateArgs),
+    Collect(season::collect::CollectArgs),
+    Evaluate(measuring::evaluate::EvaluateArgs),
     #[cfg_attr(not(feature = "experiments"), command(hide = true))]
-    Experiment(experiment::ExperimentArgs),
+    Experiment(measuring::experiment::ExperimentArgs),
     Export(Box<export::ExportArgs>),
     Fields(fields::FieldsArgs),
     Import(import::ImportArgs),
     Mend(mend::MendArgs),
     Merge(merge::MergeArgs),
     New(new::NewArgs),
-    Plan(plan::PlanArgs),
+    Plan(season::plan::PlanArgs),
     RefineBase(refine_base::RefineBaseArgs),
     Relocalize(relocalize::RelocalizeArgs),
     Render(render::RenderArgs),
-    Shard(shard::ShardArgs),
+    Shard(season::shard::ShardArgs),
     Snap(snap::SnapArgs),
     Solve(solve::SolveArgs),
     Split(split::SplitArgs),
-    Synth(synth::SynthArgs),
+    Synth(measuring::synth::SynthArgs),
     Track(track::TrackArgs),
     Train(train::TrainArgs),
 }
@@ -156,27 +144,27 @@ pub fn run() -> Next {
     let result: anyhow::Result<Outcome> = match command {
         Command::Calibrate(args) => calibrate::calibrate(&args, messages),
         Command::Check(args) => check::check(&args, messages),
-        Command::Collect(args) => collect::collect(&args, messages),
-        Command::Evaluate(args) => evaluate::evaluate(&args, messages),
-        Command::Experiment(args) => experiment::experiment(&args, messages),
+        Command::Collect(args) => season::collect::collect(&args, messages),
+        Command::Evaluate(args) => measuring::evaluate::evaluate(&args, messages),
+        Command::Experiment(args) => measuring::experiment::experiment(&args, messages),
         Command::Export(args) => export::export(&args, messages),
         Command::Fields(args) => fields::fields(&args, messages),
         Command::Import(args) => import::import(&args, messages),
         Command::Mend(args) => mend::mend(&args, messages),
         Command::Merge(args) => merge::merge(&args, messages),
         Command::New(args) => new::new(&args, messages),
-        Command::Plan(args) => plan::plan(&args, messages),
+        Command::Plan(args) => season::plan::plan(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),
         Command::Render(args) => {
             give_runtime_folder();
             render::render(&args, messages)
         }
-        Command::Shard(args) => shard::shard(&args, messages),
+        Command::Shard(args) => season::shard::shard(&args, messages),
         Command::Snap(args) => snap::snap(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
         Command::Split(args) => split::split(&args, messages),
-        Command::Synth(args) => synth::synth(&args, messages),
+        Command::Synth(args) => measuring::synth::synth(&args, messages),
         Command::Track(args) => track::track(&args, messages),
         Command::Train(args) => train::train(&args, messages),
     };
@@ -239,7 +227,7 @@ fn exit_code(result: anyhow::Result<Outcome>, messages: Messages) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::SomeFailed) => ExitCode::from(1),
-        Ok(Outcome::Stopped) => ExitCode::from(interrupt::EXIT_CODE),
+        Ok(Outcome::Stopped) => ExitCode::from(terminal::interrupt::EXIT_CODE),
         Err(error) => {
             messages.error(&describe_error(&error));
             ExitCode::from(2)

@@ -1,10 +1,10 @@
 //! `touchline new`: makes a project from a folder of images or a video.
 
 use super::Outcome;
-use super::document::refuse_unwritable;
 use super::export::parse_finite;
-use super::messages::{Messages, count_steps};
-use super::output::{refuse_existing, refuse_file};
+use crate::cli::terminal::document::refuse_unwritable;
+use crate::cli::terminal::messages::{Messages, count_steps};
+use crate::cli::terminal::output::{refuse_existing, refuse_file};
 use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;

@@ -2,11 +2,11 @@
 //! clicks of all frames.
 
 use super::Outcome;
-use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::export::parse_finite;
-use super::messages::Messages;
 use super::solve::solve_and_report;
 use super::track::track_and_report;
+use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
+use crate::cli::terminal::messages::Messages;
 use clap::ValueEnum;
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! `touchline relocalize`: finds the cameras of unclicked frames with a trained forest.
 
 use super::Outcome;
-use super::document::{DocumentOutput, Loaded, is_document, refuse_unwritable};
-use super::features::{FeaturesArg, tell_refusal};
-use super::interrupt::Interrupt;
-use super::messages::Messages;
-use super::output::{ending, write_file};
+use crate::cli::terminal::document::{DocumentOutput, Loaded, is_document, refuse_unwritable};
+use crate::cli::terminal::features::{FeaturesArg, tell_refusal};
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{ending, write_file};
 use anyhow::{Context as _, anyhow, ensure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

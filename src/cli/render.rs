@@ -1,9 +1,11 @@
 //! `touchline render`: draws a frame with its overlay as the app shows it, off-screen.
 
 use super::Outcome;
-use super::document::{DocumentArg, Loaded};
-use super::messages::Messages;
-use super::output::{encode_png, refuse_existing_file, refuse_other_than_png, write_file};
+use crate::cli::terminal::document::{DocumentArg, Loaded};
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{
+    encode_png, refuse_existing_file, refuse_other_than_png, write_file,
+};
 use anyhow::{Context as _, bail};
 use image::RgbaImage;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! `touchline snap`: aligns solved frames to their painted lines.
 
 use super::Outcome;
-use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::messages::Messages;
+use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
+use crate::cli::terminal::messages::Messages;
 use touchline_calibration::calibrate::{camera_on_paint, record_on_paint};
 use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::geometry::pluralise;

@@ -1,8 +1,8 @@
 //! `touchline solve`: finds pan, tilt and focal length of every frame with enough clicks.
 
 use super::Outcome;
-use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::messages::{Messages, count_steps};
+use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
+use crate::cli::terminal::messages::{Messages, count_steps};
 use std::path::Path;
 use touchline_calibration::calibrate::{
     SolveOutcome, check_cameras, check_frame, record_line_check, solve_document,

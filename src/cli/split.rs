@@ -1,8 +1,8 @@
 //! `touchline split`: divides a document into work packages for several people.
 
 use super::Outcome;
-use super::document::{DocumentArg, Loaded};
-use super::messages::Messages;
+use crate::cli::terminal::document::{DocumentArg, Loaded};
+use crate::cli::terminal::messages::Messages;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use touchline_core::geometry::pluralise;

@@ -1,9 +1,9 @@
 //! `touchline track`: propagates cameras from solved frames to their neighbours.
 
 use super::Outcome;
-use super::document::{DocumentArg, DocumentOutput, Loaded};
-use super::interrupt::Interrupt;
-use super::messages::{Messages, StepBar};
+use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::messages::{Messages, StepBar};
 use indicatif::ProgressBar;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;

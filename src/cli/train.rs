@@ -1,10 +1,10 @@
 //! `touchline train`: trains the pan-tilt forest on a document's references.
 
 use super::Outcome;
-use super::document::{DocumentArg, Loaded};
-use super::features::{FeaturesArg, tell_refusal};
-use super::messages::{Messages, count_steps};
-use super::output::{refuse_existing_file, write_file};
+use crate::cli::terminal::document::{DocumentArg, Loaded};
+use crate::cli::terminal::features::{FeaturesArg, tell_refusal};
+use crate::cli::terminal::messages::{Messages, count_steps};
+use crate::cli::terminal::output::{refuse_existing_file, write_file};
 use anyhow::ensure;
 use clap::ValueEnum;
 use std::ops::ControlFlow;

@@ -1,9 +1,9 @@
 //! `touchline experiment`: measures the paper's tables and figures again.
 
-use super::Outcome;
-use super::document::Loaded;
-use super::messages::Messages;
-use super::output::{refuse_existing, refuse_file, write_file, write_report};
+use crate::cli::Outcome;
+use crate::cli::terminal::document::Loaded;
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{refuse_existing, refuse_file, write_file, write_report};
 use anyhow::{Context as _, ensure};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

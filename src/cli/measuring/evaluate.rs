@@ -1,9 +1,9 @@
 //! `touchline evaluate`: measures how far the cameras of one document are from those of another.
 
-use super::Outcome;
-use super::document::Loaded;
-use super::messages::Messages;
-use super::output::{
+use crate::cli::Outcome;
+use crate::cli::terminal::document::Loaded;
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{
     ending, print, refuse_existing, refuse_existing_file, refuse_file, write_file, write_report,
 };
 use serde_json::{Map, Value, json};

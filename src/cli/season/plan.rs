@@ -1,9 +1,9 @@
 //! `touchline plan`: the shards of a season.
 
-use super::Outcome;
-use super::interrupt::Interrupt;
-use super::messages::Messages;
-use super::output::{refuse_existing_file, write_file};
+use crate::cli::Outcome;
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{refuse_existing_file, write_file};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;

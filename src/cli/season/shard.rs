@@ -1,9 +1,9 @@
 //! `touchline shard`: one unit of work of a season.
 
-use super::Outcome;
-use super::interrupt::Interrupt;
-use super::match_report::MatchReport;
-use super::messages::Messages;
+use crate::cli::Outcome;
+use crate::cli::match_report::MatchReport;
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::messages::Messages;
 use std::path::PathBuf;
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;

@@ -1,9 +1,9 @@
 //! `touchline collect`: projects, a review queue and a table from the parts of a season.
 
-use super::Outcome;
-use super::interrupt::Interrupt;
-use super::messages::Messages;
-use super::relocalize::probability;
+use crate::cli::Outcome;
+use crate::cli::relocalize::probability;
+use crate::cli::terminal::interrupt::Interrupt;
+use crate::cli::terminal::messages::Messages;
 use std::path::PathBuf;
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_core::progress::Progress;

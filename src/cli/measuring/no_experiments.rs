@@ -1,7 +1,7 @@
 //! `touchline experiment` in a program without the experiments: says how to build one with them.
 
-use super::Outcome;
-use super::messages::Messages;
+use crate::cli::Outcome;
+use crate::cli::terminal::messages::Messages;
 use anyhow::bail;
 
 /// Measures the paper's tables and figures again, in a program that is built with them.

@@ -1,8 +1,8 @@
 //! `touchline synth`: draws a match with exact truth, as a project.
 
-use super::Outcome;
-use super::messages::Messages;
-use super::output::{refuse_existing, refuse_file, write_file};
+use crate::cli::Outcome;
+use crate::cli::terminal::messages::Messages;
+use crate::cli::terminal::output::{refuse_existing, refuse_file, write_file};
 use anyhow::{Context as _, bail};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -76,7 +76,7 @@ impl Messages {
     }
 
     /// One message as a line without control characters.
-    pub(super) fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
+    pub(in crate::cli) fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
         // Text goes to a terminal, which obeys control characters, so that `plain` makes them
         // visible. JSON often ends there, too, and escapes only those below U+0020 by itself.
         let (frame, message) = (frame.map(shorten_message), &shorten_message(message));
