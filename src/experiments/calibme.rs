@@ -3,15 +3,15 @@
 //!
 //! Here the references are chosen by a rule that needs no hand: the farthest point in pan and
 //! logarithm of focal length. `CalibMe` is the homography to the best reference, as strong as in
-//! [`baselines`](super::baselines). It never tests its answer, so that the forests' test is left off
+//! [`baselines`](crate::studies::baselines). It never tests its answer, so that the forests' test is left off
 //! as well.
 
-use super::answers::FrameAnswer;
-use super::baselines::methods::{Matched, Reference};
-use super::forests::{ForestKind, train_forest, without_test};
 use super::progress::{Progress, step_counter};
 use super::sets::{FrameSet, Split};
-use super::statistics::range_of;
+use crate::report::statistics::range_of;
+use crate::scoring::answers::FrameAnswer;
+use crate::scoring::forests::{ForestKind, train_forest, without_test};
+use crate::studies::baselines::methods::{Matched, Reference};
 use rayon::prelude::*;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{Angle, AngleRange};

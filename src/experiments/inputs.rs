@@ -1,16 +1,16 @@
 //! Inputs that several experiments share, each computed once.
 
-use super::answers::FrameAnswer;
 use super::calibme::{self, Chosen};
-use super::forests::{ForestKind, ask_all};
 use super::given::folder_with;
-use super::homographies::holds_homographies;
 use super::progress::{Progress, step_counter};
 use super::sets::{
     FrameSet, MOTION_FILE, OwnDocuments, PublishedKind, SetKind, frames_a_game, frames_a_sequence,
     highlights, published_folder, read_own_documents, read_published, worldcup,
 };
 use super::{Experiment, ExperimentError, ExperimentOptions};
+use crate::scoring::answers::FrameAnswer;
+use crate::scoring::forests::{ForestKind, ask_all};
+use crate::studies::homographies::holds_homographies;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use touchline_vision::synthetic::Preset;
@@ -33,7 +33,7 @@ pub struct SharedInputs {
 }
 
 /// Number of sequences in a synthetic set like the highlights.
-const SEQUENCES: usize = super::paper::TABLE_2.len();
+const SEQUENCES: usize = crate::report::paper::TABLE_2.len();
 
 /// Draws a set with a seed. Calls the callback after each frame.
 type Drawing<'a> = dyn Fn(u64, &(dyn Fn() + Sync)) -> Result<FrameSet, ExperimentError> + 'a;

@@ -2,10 +2,10 @@
 //! compared with samples of four as the share of outliers grows.
 
 use super::ExperimentOptions;
-use super::contrast::{Contrast, Statement};
 use super::progress::{Progress, step_counter};
 use super::setting::{SIZE, normal, rng};
-use super::statistics::median_of;
+use crate::report::contrast::{Contrast, Statement};
+use crate::report::statistics::median_of;
 use rand::RngExt;
 use rand::seq::index::sample;
 use rand_pcg::Pcg64Mcg;

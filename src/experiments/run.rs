@@ -1,9 +1,10 @@
 //! Runs an experiment by its name.
 
 use super::progress::Progress;
-use super::{
-    Experiment, ExperimentError, SharedInputs, annotator, assumptions, baselines, descriptors,
-    errors, fov, homographies, motion, pose, ransac, sequences, synthetic, threshold, trees,
+use super::{Experiment, ExperimentError, SharedInputs, ransac};
+use crate::studies::{
+    annotator, assumptions, baselines, descriptors, errors, fov, homographies, motion, pose,
+    sequences, synthetic, threshold, trees,
 };
 use touchline_documents::report::Report;
 

@@ -8,9 +8,9 @@
 
 use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
-use crate::paper::{SEQUENCE_FRAMES, Sequence, TABLE_2};
+use crate::report::paper::{SEQUENCE_FRAMES, Sequence, TABLE_2};
+use crate::report::statistics::range_of;
 use crate::setting::{FIELD_YD, SIZE, base, field_of_yards, normal, rng};
-use crate::statistics::range_of;
 use crate::{ExperimentError, ExperimentOptions};
 use rand::RngExt;
 use std::f64::consts::TAU;

@@ -7,9 +7,9 @@
 use super::drawn::{Order, Players, picture_size, take};
 use super::highlights::{broadcast, scene_seed};
 use super::{FrameSet, SetKind, Split};
-use crate::paper::TABLE_3;
+use crate::report::paper::TABLE_3;
+use crate::report::statistics::range_of;
 use crate::setting::SIZE;
-use crate::statistics::range_of;
 use crate::{ExperimentError, ExperimentOptions};
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline_core::field::builtin;
