@@ -103,7 +103,7 @@ const FILES: &[&str] = &[
     "application/jobs",
     "cli",
     "experiments/given.rs",
-    "experiments/homographies/read.rs",
+    "experiments/studies/homographies/read.rs",
     "experiments/sets/published.rs",
     "season",
 ];
