@@ -141,6 +141,9 @@ const MOST_LONG_LINES: usize = 610;
 const MOST_PARTICIPLES: usize = 0;
 const MOST_DIALECT: usize = 324;
 
+/// Files of Rust in one folder, at most: more are sorted into rooms that each hold one idea.
+const MOST_FILES_IN_A_FOLDER: usize = 25;
+
 /// The workspace's folder.
 fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -297,6 +300,34 @@ fn the_sources_stay_as_legible_as_they_are() {
         worst(&all, |counters| counters.dialect, 5),
     );
     assert_none(&worse);
+}
+
+#[test]
+fn a_folder_of_sources_is_read_at_a_glance() {
+    let mut folders = vec![PathBuf::from("src"), PathBuf::from("tests")];
+    let mut crowded = Vec::new();
+    while let Some(folder) = folders.pop() {
+        let mut files = 0;
+        for entry in fs::read_dir(workspace().join(&folder)).unwrap() {
+            let path = folder.join(entry.unwrap().file_name());
+            if workspace().join(&path).is_dir() {
+                // What Cargo builds beside the fuzz targets is no source.
+                if !path.ends_with("target") {
+                    folders.push(path);
+                }
+            } else {
+                files += usize::from(path.extension().is_some_and(|ending| ending == "rs"));
+            }
+        }
+        if files > MOST_FILES_IN_A_FOLDER {
+            let folder = folder.display();
+            crowded.push(format!(
+                "{folder} has {files} Rust files, not {MOST_FILES_IN_A_FOLDER}"
+            ));
+        }
+    }
+    crowded.sort();
+    assert_none(&crowded);
 }
 
 #[test]

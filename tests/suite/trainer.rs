@@ -1,8 +1,8 @@
 //! The background trainer on a drawn match.
 #![cfg(feature = "opencv")]
 
+use crate::commands::relocalize_command::drawn_match;
 use crate::program::touchline;
-use crate::relocalize_command::drawn_match;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;

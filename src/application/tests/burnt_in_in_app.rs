@@ -2,7 +2,7 @@
 #![cfg(feature = "opencv")]
 
 use crate::bench::Bench;
-use crate::masks_in_app::{BUG, ranged_masks, video};
+use crate::clicking::masks_in_app::{BUG, ranged_masks, video};
 use touchline_application::app::operation::Report;
 use touchline_application::app::operations::BurntInSearch;
 use touchline_application::app::session::{Level, SidePanel};

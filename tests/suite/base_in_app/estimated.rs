@@ -2,7 +2,7 @@
 
 use super::{Fixture, document, truth};
 use crate::bench::without_counts;
-use crate::refine_base_command::clicked_match;
+use crate::commands::refine_base_command::clicked_match;
 use touchline::app::guidance::next_step;
 use touchline::app::operation::{Breakdown, Failure, Report};
 use touchline::app::operations::BaseEstimate;

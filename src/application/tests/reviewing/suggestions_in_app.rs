@@ -4,7 +4,7 @@
 use crate::bench::{Bench, without_counts};
 use crate::headless::Headless;
 use crate::proposed::{blank, proposal_in, suggestions};
-use crate::review_in_app::proposal;
+use crate::reviewing::review_in_app::proposal;
 use std::fs;
 use touchline_application::app::session::Saving;
 use touchline_application::app::{

@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::proposed::{blank, proposal_in};
-use crate::review_in_app::proposal;
+use crate::reviewing::review_in_app::proposal;
 use touchline_application::app::{Action, Command, EditAction, Navigation, TrainerReport};
 use touchline_calibration::proposals::Proposal;
 use touchline_documents::document::document_to_string;

@@ -1,6 +1,6 @@
 //! `touchline [DOCUMENT]` where no window can open.
 
-use super::program::touchline;
+use crate::program::touchline;
 
 #[test]
 fn a_word_that_is_neither_file_nor_command_is_named() {

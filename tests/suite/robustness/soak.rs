@@ -3,8 +3,8 @@
 #![cfg(all(feature = "opencv", target_os = "linux"))]
 
 use crate::child::spawn_test;
+use crate::commands::relocalize_command::drawn_match;
 use crate::headless::Headless;
-use crate::relocalize_command::drawn_match;
 use crate::seeded::rng;
 use rand::RngExt;
 use std::fs;
@@ -139,7 +139,7 @@ fn resource_uses(actions: usize, file: &Path) -> Vec<ResourceUse> {
     // Every session has threads of its own, and the allocator would keep room for some of each
     // until it has seen very many.
     let variables = [(CHILD, told.as_str()), ("MALLOC_ARENA_MAX", "1")];
-    let (mut child, lines) = spawn_test("soak::child_that_works_for_hours", variables);
+    let (mut child, lines) = spawn_test("robustness::soak::child_that_works_for_hours", variables);
     let taken = lines.map_while(Result::ok).filter_map(|line| {
         let numbers: Vec<f64> = line
             .split_once("taken ")?

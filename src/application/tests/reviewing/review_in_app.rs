@@ -1,7 +1,7 @@
 //! Suggestions in the application: looked through in an order, accepted one by one and together,
 //! corrected, rejected.
 
-pub use crate::proposals_in_app::proposal;
+pub use crate::reviewing::proposals_in_app::proposal;
 
 use crate::bench::{Bench, base, landmark_in};
 use crate::proposed::{suggestions, truth};

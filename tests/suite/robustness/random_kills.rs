@@ -4,9 +4,9 @@
 #![cfg(feature = "opencv")]
 
 use crate::child::spawn_test;
+use crate::commands::relocalize_command::drawn_match;
 use crate::headless::Headless;
 use crate::program::touchline;
-use crate::relocalize_command::drawn_match;
 use crate::seeded::rng;
 use rand::RngExt;
 use std::fs;
@@ -103,7 +103,7 @@ fn what_a_person_did_survives_kills_at_random_moments() {
     for number in 0..kills() {
         let told = format!("{number} {}", file.display());
         let (mut child, lines) = spawn_test(
-            "random_kills::child_that_edits_until_it_is_killed",
+            "robustness::random_kills::child_that_edits_until_it_is_killed",
             [(CHILD, &told)],
         );
         let mut lines = lines.map_while(Result::ok);

@@ -3,9 +3,9 @@
 #![cfg(feature = "opencv")]
 
 use crate::child::spawn_test;
+use crate::commands::relocalize_command::drawn_match;
 use crate::headless::Headless;
 use crate::program::touchline;
-use crate::relocalize_command::drawn_match;
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline::app::session::Saving;
@@ -72,7 +72,10 @@ fn child_that_accepts_until_it_is_killed() {
 /// accepted.
 fn kill_after(file: &Path, said: &str) -> BTreeMap<usize, f64> {
     let told = [(CHILD_FILE, file.to_str().unwrap())];
-    let (mut child, lines) = spawn_test("killed::child_that_accepts_until_it_is_killed", told);
+    let (mut child, lines) = spawn_test(
+        "robustness::killed::child_that_accepts_until_it_is_killed",
+        told,
+    );
     let mut lines = lines.map_while(Result::ok);
     let mut accepted = BTreeMap::new();
     let mut note = |line: &str| {
