@@ -5,6 +5,10 @@
 //! When the user corrects and accepts one of the frames, the clip is tracked again; the points that
 //! were followed the first time are reused.
 
+mod availability;
+mod measured_length;
+mod words;
+
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::{UnderWay, has_same_base_and_field};
 use crate::app::window_state::session::Level;
@@ -13,15 +17,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
 use touchline_calibration::calibrate::{
-    BulkChange, ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions,
-    TrackedClip, TrackedFrame, clip_of_frame, is_doubtful, length_on_lines, record_tracked,
-    take_doubtful_stretch, take_length, track_clip,
+    ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip,
+    TrackedFrame, clip_of_frame, is_doubtful, take_doubtful_stretch, track_clip,
 };
-use touchline_calibration::proposals::{BatchId, Finder, read_picture, suggest_tracked_clip};
+use touchline_calibration::proposals::{BatchId, Finder, suggest_tracked_clip};
 use touchline_core::field::{FieldError, FieldModel};
-use touchline_core::geometry::pluralise;
-use touchline_documents::document::{Document, Frame, FrameId, Step};
-use touchline_vision::media::ReadFrames;
+use touchline_documents::document::{Document, FrameId};
+pub(super) use words::describe_progress;
+use words::{describe_followed, describe_tracked};
+
+// ---- The work ----
+
+// ---- In the application ----
+
+// ---- Words ----
 
 /// Tracks cameras through a clip.
 pub struct ClipTracking {
@@ -90,8 +99,6 @@ struct LastTracking {
     /// The length of the field that its painted lines require, if the document states none.
     length: Option<LengthOnLines>,
 }
-
-// ---- The work ----
 
 impl Operation for ClipTracking {
     type Progress = ClipProgress;
@@ -167,19 +174,6 @@ impl ClipTracking {
         matches!(self.cause, Cause::Correction | Cause::Drag)
     }
 
-    /// The length of the field that the painted lines of the tracked frames require, if it differs
-    /// from the assumed one.
-    fn measure_length(
-        &self,
-        tracked: &TrackedClip,
-        reader: &mut dyn ReadFrames,
-    ) -> Result<Option<LengthOnLines>, FieldError> {
-        let mut document = self.document.clone();
-        record_tracked(&mut document, tracked);
-        let mut picture = |frame: &Frame| read_picture(reader, frame, &self.folder).ok();
-        length_on_lines(document.at(&self.folder), &mut picture)
-    }
-
     /// The part of a tracked clip that still applies to the document `now`. Frames are found by
     /// their ids; frames that users have changed since are left out.
     fn still_open_in(&self, now: &Document, tracked: TrackedClip) -> TrackedClip {
@@ -200,66 +194,7 @@ impl ClipTracking {
     }
 }
 
-// ---- In the application ----
-
 impl App {
-    /// Why a command of the tracking is not available. None if it is.
-    pub(in crate::app) fn why_not_clip_tracking(&self, command: Command) -> Option<&'static str> {
-        let ClipTrackingState { slot, last } = &self.operations.clip_tracking;
-        match command {
-            Command::Track => self.why_not_track(),
-            Command::DiscardTracked | Command::TakeLength if self.is_read_only() => {
-                Some("The document is read-only.")
-            }
-            Command::TakeLength if last.as_ref().is_none_or(|last| last.length.is_none()) => {
-                Some("No other length of the field was measured.")
-            }
-            Command::DiscardTracked if last.is_none() => Some("No cameras were tracked."),
-            Command::RefineBaseOnShot => self.why_not_refine_base(),
-            Command::StopTracking if !slot.is_running() && !self.is_refining_base() => {
-                Some("No cameras are being tracked.")
-            }
-            _ => None,
-        }
-    }
-
-    /// Why the shown clip cannot be tracked. None if it can.
-    fn why_not_track(&self) -> Option<&'static str> {
-        let open = self.open.as_ref()?;
-        if let Some(why) = self.why_not_follow_points() {
-            return Some(why);
-        }
-        let frame = self.frame()?;
-        if open
-            .document
-            .camera_of(frame)
-            .and_then(|camera| camera.base_for(frame))
-            .is_none()
-        {
-            return Some("Its camera has no base yet.");
-        }
-        let mut others = open
-            .document
-            .frames
-            .iter()
-            .filter(|other| other.camera == frame.camera);
-        others
-            .all(|other| other.ptz.is_none())
-            .then_some("No frame has a camera to track from: click one first.")
-    }
-
-    /// Why points cannot be followed through the shown clip. None if they can.
-    pub(super) fn why_not_follow_points(&self) -> Option<&'static str> {
-        if self.is_read_only() {
-            return Some("The document is read-only.");
-        }
-        if cfg!(not(feature = "opencv")) {
-            return Some("This program was built without OpenCV and cannot follow points.");
-        }
-        let is_running = self.operations.clip_tracking.slot.is_running() || self.is_refining_base();
-        is_running.then_some("Cameras are being tracked already.")
-    }
-
     /// Carries out a command of the tracking.
     pub(in crate::app) fn clip_tracking_command(&mut self, command: Command) {
         match command {
@@ -429,56 +364,6 @@ impl App {
         self.tell_length(length);
     }
 
-    /// Reports another length of the field that the tracked frames require. Offers to use it if the
-    /// document states none.
-    fn tell_length(&mut self, length: Result<Option<LengthOnLines>, FieldError>) {
-        match length {
-            Ok(None) => {}
-            Ok(Some(found)) => {
-                let text = describe_length(&found);
-                if found.is_prescribed {
-                    self.session.notify(Level::Warning, text);
-                    return;
-                }
-                if let Some(last) = &mut self.operations.clip_tracking.last {
-                    last.length = Some(found);
-                }
-                self.session
-                    .notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
-            }
-            Err(error) => {
-                let text = format!("The length of the field was not measured: {error}.");
-                self.session.notify(Level::Warning, text);
-            }
-        }
-    }
-
-    /// Uses the measured length; one step of undo. Frames with clicks are solved again; the others
-    /// must be tracked again.
-    fn take_measured_length(&mut self) {
-        let (Some(open), Some(last)) = (&self.open, &self.operations.clip_tracking.last) else {
-            return;
-        };
-        let Some(found) = &last.length else { return };
-        let mut numbers = open.document.clone();
-        take_length(&mut numbers, found);
-        let change = BulkChange::Numbers(Box::new(numbers));
-        self.change_in_bulk(
-            Step::on_document("Take the measured length"),
-            change,
-            |app, _| {
-                if let Some(last) = &mut app.operations.clip_tracking.last {
-                    last.length = None;
-                }
-                app.session.retract(Command::TakeLength);
-                let text =
-                    "The measured length was taken. Track the cameras through the shot again.";
-                app.session
-                    .notify_with(Level::Info, text, [("Track again", Command::Track)]);
-            },
-        );
-    }
-
     /// Discards the tracked cameras: frames that users have not changed since show again what they
     /// showed before.
     fn discard_tracked(&mut self) {
@@ -503,8 +388,6 @@ impl App {
     }
 }
 
-// ---- Words ----
-
 impl ClipTrackingState {
     /// The running tracking with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
@@ -520,82 +403,13 @@ impl ClipTrackingState {
     }
 }
 
-/// The progress of a tracking, as text.
-pub(super) fn describe_progress(progress: &ClipProgress) -> String {
-    match progress {
-        ClipProgress::Following(done, of) => format!("Following points: frame {done} of {of}…"),
-        ClipProgress::Painting(done, of) => {
-            format!("Looking at painted lines: {done} of {of} frames…")
-        }
-        ClipProgress::Adjusting => "Adjusting all frames of the shot together…".to_owned(),
-    }
-}
-
-/// The length of the field that the tracked frames require, as text.
-fn describe_length(
-    LengthOnLines {
-        size,
-        frames,
-        is_prescribed,
-        ..
-    }: &LengthOnLines,
-) -> String {
-    let assumed = if *is_prescribed {
-        "m is stated, and stays"
-    } else {
-        "m was assumed"
-    };
-    format!(
-        "The painted lines of {} indicate a length of {:.2} ± {:.2} m, where {} {assumed}.",
-        pluralise(*frames, "frame"),
-        size.value_m,
-        size.sigma_m,
-        size.assumed_m
-    )
-}
-
-/// The result of tracking again after a correction, as text.
-fn describe_followed(taken: usize) -> String {
-    match taken {
-        0 => "No other frame of the shot follows this correction.".to_owned(),
-        1 => "1 other frame of the shot follows this correction.".to_owned(),
-        many => format!("{many} other frames of the shot follow this correction."),
-    }
-}
-
-/// The result of tracking, as text.
-fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
-    let got = match taken {
-        1 => "1 frame got its camera".to_owned(),
-        many => format!("{many} frames got their cameras"),
-    };
-    let painted = match tracked.painted {
-        0 => String::new(),
-        many => format!("; {many} also checked against their painted lines"),
-    };
-    let ended = if let Some(stop) = tracked.stops.first() {
-        format!(
-            ". It stopped at {}: only {} of {} points agree",
-            stop.picture, stop.agreeing, stop.seen
-        )
-    } else if tracked.missed.is_empty() {
-        String::new()
-    } else {
-        let count = tracked.missed.len();
-        let were = if count == 1 { "was" } else { "were" };
-        format!("; {} {were} not reached", pluralise(count, "frame"))
-    };
-    format!("{got}{painted}{ended}.")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::{Action, EditAction};
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_core::solve::base::FittedSize;
-    use touchline_documents::document::{Camera, FieldSpec};
+    use touchline_documents::document::{Camera, FieldSpec, Frame};
 
     /// An application after a clip was tracked, with a camera at (1, −62, 17) m.
     fn app() -> App {
@@ -689,76 +503,5 @@ mod tests {
         app.track_with_refined_base(&frame, Arc::default());
         let running = app.operations.clip_tracking.slot.running().unwrap();
         assert_eq!((app.session.frame, running.operation().frame), (0, 1));
-    }
-
-    fn measured(is_prescribed: bool) -> LengthOnLines {
-        let (assumed_m, value_m, sigma_m) = (105.0, 101.0, 0.3);
-        let name = "length_m".to_owned();
-        let size = FittedSize {
-            name,
-            assumed_m,
-            value_m,
-            sigma_m,
-            position_sigma_m: Vec3::zeros(),
-            is_open: false,
-        };
-        LengthOnLines {
-            size,
-            shifts: vec![("main".into(), Vec3::new(2.0, 0.0, 0.0))],
-            frames: 4,
-            is_prescribed,
-        }
-    }
-
-    #[test]
-    fn a_measured_length_is_suggested_and_applied_in_one_step() {
-        let mut app = app();
-        assert!(app.why_not(Command::TakeLength).is_some());
-        app.tell_length(Ok(Some(measured(false))));
-        assert!(
-            app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_none()
-        );
-        let before = (*app.open().unwrap().document).clone();
-        app.update(Action::Command(Command::TakeLength));
-        let now = |app: &App| {
-            let document = &app.open().unwrap().document;
-            (
-                document.field.params.get("length_m").copied(),
-                document.cameras[0].position_m.map(|at| at.x),
-            )
-        };
-        assert_eq!(now(&app), (Some(101.0), Some(3.0)));
-        assert!(
-            !app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_some()
-        );
-        app.update(Action::Command(Command::Undo));
-        assert_eq!(*app.open().unwrap().document, before);
-    }
-
-    #[test]
-    fn a_stated_length_stays_and_a_field_that_cannot_be_measured_is_named() {
-        let mut app = app();
-        app.tell_length(Ok(Some(measured(true))));
-        assert!(app.why_not(Command::TakeLength).is_some());
-        app.tell_length(Err(FieldError::BeingRead {
-            place: "own.json".to_owned(),
-        }));
-        let texts: Vec<&str> = app
-            .session
-            .messages
-            .notices
-            .iter()
-            .map(|notice| notice.text.as_str())
-            .collect();
-        assert!(
-            texts[0].ends_with(
-                "indicate a length of 101.00 ± 0.30 m, where 105 m is stated, and stays."
-            ),
-            "{texts:?}"
-        );
-        assert!(
-            texts[1].starts_with("The length of the field was not measured: "),
-            "{texts:?}"
-        );
     }
 }

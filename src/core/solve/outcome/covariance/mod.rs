@@ -15,11 +15,18 @@
 //! is still drawn with the nominal base. The lines then miss the points that were clicked (with 0.5
 //! m of base error by 8–16 px instead of 3–6 px). It is therefore not used.
 
-use crate::camera::{CameraBase, FocalCurve, PtzCamera, SHARED_COLUMNS};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
-use crate::solve::observations::shared_columns::by_shared;
+mod four_points;
+mod overlay;
+
+use crate::camera::{PtzCamera, SHARED_COLUMNS};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use crate::solve::{Observation, PtzPrior, SolveError};
-use nalgebra::{Matrix2, Matrix2x3, SMatrix};
+use four_points::covariance_in_degrees;
+pub use four_points::{covariance_in_radians, covariance_of_four_points};
+use nalgebra::{Matrix2x3, SMatrix};
+pub use overlay::CornerSigma;
+use overlay::all_over;
+pub(in crate::solve) use overlay::{OverlayPoint, corners};
 
 /// Normal equations worse conditioned than this, in (rad, rad, log f), leave a direction open.
 const MAX_CONDITION: f64 = 1e12;
@@ -167,131 +174,6 @@ impl Uncertainty {
         Some(squares / (observation.sigma_px * observation.sigma_px))
     }
 
-    /// Covariance (px²) of the overlay at a world point; none where the point has no image.
-    #[must_use]
-    pub fn overlay_at_world(
-        &self,
-        camera: &PtzCamera,
-        point_in_world: Vec3,
-    ) -> Option<Matrix2<f64>> {
-        let point = OverlayPoint::at_world(camera, point_in_world)?;
-        let by_base = self.by_base_in_sigmas(&point);
-        Some(point.by_ptz * self.clicks * point.by_ptz.transpose() + by_base * by_base.transpose())
-    }
-
-    /// Covariance (px²) of the overlay at a pixel: at the ground point that it shows, or at a
-    /// distant point above the horizon. None beyond the fold of the distortion model.
-    #[must_use]
-    pub fn overlay_at(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<Matrix2<f64>> {
-        self.overlay_at_world(camera, world_point_from_image(camera, pixel)?)
-    }
-
-    /// 1-σ of the overlay at a pixel, px: the root of the covariance's trace, an RMS distance.
-    #[must_use]
-    pub fn overlay_sigma_px(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<f64> {
-        OverlayPoint::at_pixel(camera, pixel).map(|point| self.sigma_px(&point))
-    }
-
-    /// The largest [`Self::overlay_sigma_px`] of the frame's four corners; a corner beyond the fold
-    /// of the distortion model is moved towards the principal point until it has a ray. Infinite
-    /// where that gives no corner a ray: nothing is known of such an overlay.
-    #[must_use]
-    pub fn worst_corner_sigma_px(&self, camera: &PtzCamera, image_size: ImageSize) -> f64 {
-        self.worst_sigma_px(&corners(camera, image_size))
-    }
-
-    /// The same as documents state it, which cannot express that it is infinite: none then.
-    #[must_use]
-    pub fn corner_sigma_px_if_known(
-        &self,
-        camera: &PtzCamera,
-        image_size: ImageSize,
-    ) -> Option<f64> {
-        Some(self.worst_corner_sigma_px(camera, image_size)).filter(|sigma_px| sigma_px.is_finite())
-    }
-
-    /// Where the 1-σ at the frame's worst corner comes from.
-    #[must_use]
-    pub fn worst_corner(&self, camera: &PtzCamera, image_size: ImageSize) -> Option<CornerSigma> {
-        let corners = image_size
-            .corners()
-            .into_iter()
-            .zip(corners(camera, image_size))
-            .filter_map(|(corner, point)| Some(self.corner_sigma(corner, &point?)));
-        corners.max_by(|a, b| a.sigma_px().total_cmp(&b.sigma_px()))
-    }
-
-    /// The 1-σ at a corner, px, split by cause; `point` is the overlay point there.
-    fn corner_sigma(&self, corner: ImagePoint, point: &OverlayPoint) -> CornerSigma {
-        // Rounding may leave the trace of a nearly singular covariance slightly negative; `clamp`
-        // keeps one that is not a number, where `max` would state certainty.
-        let by_clicks = point.by_ptz * self.clicks * point.by_ptz.transpose();
-        let by_base = self.by_base_in_sigmas(point);
-        CornerSigma {
-            corner,
-            clicks_px: by_clicks.trace().clamp(0.0, f64::INFINITY).sqrt(),
-            base_px: by_base.norm(),
-        }
-    }
-
-    /// The largest 1-σ of the overlay at some points, px; infinite without a point, and where one
-    /// is not a number.
-    pub(super) fn worst_sigma_px(&self, points: &[Option<OverlayPoint>]) -> f64 {
-        // `f64::max` ignores NaN, and the result would state certainty.
-        points
-            .iter()
-            .flatten()
-            .map(|point| self.sigma_px(point))
-            .map(|sigma_px| {
-                if sigma_px.is_nan() {
-                    f64::INFINITY
-                } else {
-                    sigma_px
-                }
-            })
-            .reduce(f64::max)
-            .unwrap_or(f64::INFINITY)
-    }
-
-    /// 1-σ of the overlay at a point, px.
-    fn sigma_px(&self, point: &OverlayPoint) -> f64 {
-        // The trace of σ² `J_p` A Aᵀ `J_pᵀ`, column by column. x and y are computed side by side as
-        // a vector, because this is evaluated at every pixel of a heat map.
-        let by_ptz: [Vec2; 3] =
-            std::array::from_fn(|column| point.by_ptz.column(column).into_owned());
-        let mut variances = Vec2::zeros();
-        for (column, by) in by_ptz.iter().enumerate() {
-            let clicks = self.clicks.fixed_view::<3, 1>(0, column);
-            let covariance = by_ptz[0] * clicks[0] + by_ptz[1] * clicks[1] + by_ptz[2] * clicks[2];
-            variances += covariance.component_mul(by);
-        }
-
-        // M = `J_pb` − `J_p` K, column by column.
-        let by_base: [Vec2; SHARED_COLUMNS] = std::array::from_fn(|column| {
-            let follows = self.by_base.fixed_view::<3, 1>(0, column);
-            point.by_base.column(column)
-                - (by_ptz[0] * follows[0] + by_ptz[1] * follows[1] + by_ptz[2] * follows[2])
-        });
-
-        // The trace of M L (M L)ᵀ.
-        for column in 0..SHARED_COLUMNS {
-            // L is lower triangular, so the sum starts at the diagonal.
-            let rows =
-                (column..SHARED_COLUMNS).map(|row| by_base[row] * self.base_root[(row, column)]);
-            let moved = rows.fold(Vec2::zeros(), |sum, by_row| sum + by_row);
-            variances += moved.component_mul(&moved);
-        }
-        // Rounding may leave the sum for a nearly singular covariance slightly negative; `clamp`
-        // keeps one that is not a number.
-        variances.sum().clamp(0.0, f64::INFINITY).sqrt()
-    }
-
-    /// M L: how the overlay at a point moves, in px, for one σ of each independent component of the
-    /// base error, when pan, tilt and focal length respond to it by K.
-    fn by_base_in_sigmas(&self, point: &OverlayPoint) -> SMatrix<f64, 2, SHARED_COLUMNS> {
-        (point.by_base - point.by_ptz * self.by_base) * self.base_root
-    }
-
     /// The same uncertainty for an exact base.
     #[must_use]
     pub fn with_exact_base(self) -> Self {
@@ -329,184 +211,6 @@ impl Uncertainty {
             base_root: self.base_root,
         })
     }
-}
-
-/// The 1-σ of the overlay at the worst corner of a frame, split by cause.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CornerSigma {
-    /// Which corner, px.
-    pub corner: ImagePoint,
-    /// The part that click noise causes, given the positions of the clicks, px.
-    pub clicks_px: f64,
-    /// The part that the uncertainty of the base causes, px.
-    pub base_px: f64,
-}
-
-impl CornerSigma {
-    /// The root sum of squares of both parts, px.
-    #[must_use]
-    pub fn sigma_px(&self) -> f64 {
-        self.clicks_px.hypot(self.base_px)
-    }
-
-    /// Whether more of the variance comes from the base than from the clicks: further clicks in
-    /// this frame gain little.
-    #[must_use]
-    pub fn is_from_base(&self) -> bool {
-        self.base_px > self.clicks_px
-    }
-}
-
-/// The Jacobians of one overlay point by the camera's parameters, independent of their uncertainty.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::solve) struct OverlayPoint {
-    by_ptz: Matrix2x3<f64>,
-    by_base: SMatrix<f64, 2, SHARED_COLUMNS>,
-}
-
-impl OverlayPoint {
-    /// The overlay point of a world point; none where it has no image.
-    fn at_world(camera: &PtzCamera, point_in_world: Vec3) -> Option<Self> {
-        let here = camera.image_from_world_jacobian(point_in_world).ok()?;
-        let by_image = Matrix2::identity();
-        let by_base = by_shared(
-            camera,
-            &here.by_base,
-            here.by_k1,
-            &here.by_world,
-            &by_image,
-            point_in_world,
-        );
-        Some(Self {
-            by_ptz: here.by_ptz,
-            by_base,
-        })
-    }
-
-    /// The overlay point of what a pixel shows ([`world_point_from_image`]).
-    fn at_pixel(camera: &PtzCamera, pixel: ImagePoint) -> Option<Self> {
-        Self::at_world(camera, world_point_from_image(camera, pixel)?)
-    }
-}
-
-/// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad,
-/// focal px).
-#[must_use]
-pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
-    let radian = 1f64.to_radians();
-    let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
-    scale * covariance_deg * scale
-}
-
-/// The covariance of (pan rad, tilt rad, focal px) of a camera that is known by four points
-/// half-way to the picture's corners, each to `sigma_px`; the base taken as exact. A lens that has
-/// no rays there is left out of account.
-#[must_use]
-pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Mat3 {
-    // Seen from the origin, a ray is a point at unit distance.
-    let base = camera.base().at_origin();
-    let without_lens = CameraBase {
-        distortion: FocalCurve::NONE,
-        ..base
-    };
-    // Without its lens every pixel has a ray, so that the zeros below, which would state that the
-    // camera is exact, are not reached.
-    [base, without_lens]
-        .into_iter()
-        .find_map(|base| {
-            let camera = PtzCamera::new(base, camera.ptz());
-            covariance_of_rays(&camera, image_size, sigma_px)
-        })
-        .unwrap_or_else(Mat3::zeros)
-}
-
-/// The covariance of a camera at the origin by its rays half-way to the picture's corners; none if
-/// too few of these pixels have a ray.
-fn covariance_of_rays(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Option<Mat3> {
-    // Four pixels half-way from the middle to the corners, and the directions that the camera sees
-    // there.
-    let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-    let points: Vec<Observation> = (0..)
-        .zip(corners)
-        .filter_map(|(number, (x, y))| {
-            let at = image_size
-                .centre()
-                .translate(Vec2::new(x, y).component_mul(&quarter));
-            let ray = camera.ray_from_image(at).ok()?.direction();
-            Some(Observation::from_point(ray, at, sigma_px, number))
-        })
-        .collect();
-    let uncertainty = Uncertainty::from_observations(camera, &points, None).ok()?;
-    Some(uncertainty.clicks)
-}
-
-/// The reverse of [`covariance_in_radians`].
-fn covariance_in_degrees(covariance: &Mat3) -> Mat3 {
-    let degree = 1f64.to_degrees();
-    let scale = Mat3::from_diagonal(&Vec3::new(degree, degree, 1.0));
-    scale * covariance * scale
-}
-
-/// Overlay points on a regular grid over the picture. If at least four of them lie on ground near
-/// the camera, only those are returned, because clicks lie on the field.
-fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
-    /// No field extends farther from the camera than this, m.
-    const FIELD_M: f64 = 200.0;
-    const COLUMNS: u32 = 5;
-    const ROWS: u32 = 4;
-    let grid = (0..COLUMNS).flat_map(|column| (0..ROWS).map(move |row| (column, row)));
-    let shown: Vec<Vec3> = grid
-        .filter_map(|(column, row)| {
-            let pixel = image_size.cell_centre([column, row], [COLUMNS, ROWS]);
-            world_point_from_image(camera, pixel)
-        })
-        .collect();
-    // Four points give eight equations for three parameters, so a direction is not left open by
-    // the choice.
-    let near = shown
-        .iter()
-        .filter(|at| (*at - camera.base().position_m).norm() <= FIELD_M);
-    let some = if near.clone().nth(3).is_some() {
-        near.collect::<Vec<_>>()
-    } else {
-        shown.iter().collect()
-    };
-    some.into_iter()
-        .filter_map(|at| OverlayPoint::at_world(camera, *at))
-        .collect()
-}
-
-/// The frame's four corners, each moved towards the principal point in steps of 10 % until it has a
-/// ray; none if it never has.
-pub(in crate::solve) fn corners(
-    camera: &PtzCamera,
-    image_size: ImageSize,
-) -> [Option<OverlayPoint>; 4] {
-    let middle = camera.base().principal_point;
-    image_size.corners().map(|corner| {
-        (0..10).find_map(|step| {
-            let towards = corner.offset_from(middle) * (1.0 - 0.1 * f64::from(step));
-            OverlayPoint::at_pixel(camera, middle.translate(towards))
-        })
-    })
-}
-
-/// The point in `world` that a pixel shows: on the plane z = 0, at most [`FAR_M`] deep, or at the
-/// depth [`FAR_M`] above the horizon. None beyond the fold of the distortion model.
-fn world_point_from_image(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
-    // The direction has z = 1 in `cam`, so multiples of it are depths along the optical axis, m.
-    let ideal = camera.cam_plane_from_image(pixel).ok()?;
-    let direction = camera
-        .cam_from_world()
-        .tr_mul(&Vec3::new(ideal.x, ideal.y, 1.0));
-    let to_ground = -camera.base().position_m.z / direction.z;
-    let depth_m = if to_ground > 0.0 {
-        to_ground.min(FAR_M)
-    } else {
-        FAR_M
-    };
-    Some(camera.base().position_m + direction * depth_m)
 }
 
 /// Adds the rows of one click to Jᵀ W J and Jᵀ W `J_b`.
@@ -547,7 +251,9 @@ fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseSigma, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError};
+    use crate::camera::{
+        BaseSigma, CameraBase, FocalCurve, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError,
+    };
     use crate::solve::fixtures::base;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -616,22 +322,6 @@ mod tests {
     }
 
     #[test]
-    fn four_points_leave_a_camera_uncertain_whatever_its_lens() {
-        let folded = camera_without_rays();
-        let plain = CameraBase {
-            distortion: FocalCurve::NONE,
-            ..base()
-        };
-        let plain = PtzCamera::new(plain, folded.ptz());
-        let [found, expected] =
-            [&folded, &plain].map(|camera| covariance_of_four_points(camera, SIZE, 4.0));
-        assert!(
-            expected[(0, 0)] > 0.0 && found == expected,
-            "{found} {expected}"
-        );
-    }
-
-    #[test]
     fn errors_of_the_base_go_together_in_the_overlay() {
         let covariance = together();
         let (camera, known) = uncertainty(&BaseSigma::from_covariance(&covariance, 68.0));
@@ -681,6 +371,22 @@ mod tests {
         assert!(
             less.min(more) < alone && alone < less.max(more),
             "{less} {alone} {more}"
+        );
+    }
+
+    #[test]
+    fn four_points_leave_a_camera_uncertain_whatever_its_lens() {
+        let folded = camera_without_rays();
+        let plain = CameraBase {
+            distortion: FocalCurve::NONE,
+            ..base()
+        };
+        let plain = PtzCamera::new(plain, folded.ptz());
+        let [found, expected] =
+            [&folded, &plain].map(|camera| covariance_of_four_points(camera, SIZE, 4.0));
+        assert!(
+            expected[(0, 0)] > 0.0 && found == expected,
+            "{found} {expected}"
         );
     }
 }

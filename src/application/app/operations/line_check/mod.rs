@@ -2,22 +2,24 @@
 //! between edits. The results are kept beside the document; acceptance of a frame writes its result
 //! into the document.
 
+mod checks;
+mod summary;
+
+use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::window_state::session::Level;
-use crate::app::{App, OpenProject};
-use std::collections::{BTreeMap, BTreeSet};
+pub(in crate::app) use checks::LineChecks;
 use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
-use touchline_calibration::calibrate::{LINE_CHECK, check_frame, record_line_check};
+pub use summary::LineCheckSummary;
+use touchline_calibration::calibrate::{check_frame, record_line_check};
 use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::markings::LineVerdict;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{
-    Document, FieldSpec, Frame, FrameId, FrameStatus, PaintEvidence,
-};
+use touchline_documents::document::{Document, FrameId, FrameStatus};
 use touchline_vision::paint::LineCheck;
 
 /// Maximum number of frames examined after an action to find those that lack a check, so that
@@ -236,259 +238,19 @@ impl App {
     }
 }
 
-/// The line check of a camera, as the window shows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineCheckSummary {
-    /// The verdict.
-    pub verdict: LineVerdict,
-    /// Number of samples on the lines with paint nearby.
-    pub found: usize,
-    /// Number of samples on the lines where nothing hides the ground.
-    pub open: usize,
-    /// Median distance of the paint from the lines, px; none if no paint was found.
-    pub offset_px: Option<f64>,
-}
-
-impl LineCheckSummary {
-    fn from_check(check: &LineCheck) -> Self {
-        let offset_px = Some(check.offset_px).filter(|offset| offset.is_finite());
-        Self {
-            verdict: check.verdict(),
-            found: check.found,
-            open: check.found + check.bare,
-            offset_px,
-        }
-    }
-
-    fn from_evidence(evidence: &PaintEvidence) -> Self {
-        let open = evidence.open();
-        Self {
-            verdict: evidence.verdict(),
-            found: evidence.found,
-            open,
-            offset_px: evidence.offset_px,
-        }
-    }
-
-    /// The verdict in three words.
-    #[must_use]
-    pub const fn in_brief(&self) -> &'static str {
-        match self.verdict {
-            LineVerdict::Supports => "on painted lines",
-            LineVerdict::Contradicts => "off painted lines",
-            LineVerdict::CannotSay => "painted lines unclear",
-        }
-    }
-
-    /// One line: "on the painted lines (0.8 px at 212 of 230 open places)".
-    #[must_use]
-    pub fn describe(&self) -> String {
-        let Self { found, open, .. } = self;
-        match (self.verdict, self.offset_px) {
-            (LineVerdict::Supports, Some(px)) => {
-                format!("on the painted lines ({px:.1} px at {found} of {open} open places)")
-            }
-            (LineVerdict::Supports, None) => {
-                format!("on the painted lines ({found} of {open} open places)")
-            }
-            (LineVerdict::Contradicts, _) => {
-                format!("the painted lines are elsewhere (paint at {found} of {open} open places)")
-            }
-            (LineVerdict::CannotSay, _) => {
-                format!("the painted lines do not decide (paint at {found} of {open} open places)")
-            }
-        }
-    }
-}
-
-/// The line checks of the open document.
-#[derive(Debug, Default)]
-pub(in crate::app) struct LineChecks {
-    slot: Slot<LineCheckBatch>,
-    known: BTreeMap<FrameId, CheckedLines>,
-    /// The fields of the document for which they are known.
-    fields: Vec<FieldSpec>,
-    /// Numbers of known cameras that are contradicted and supported. Counted incrementally, because
-    /// every thumbnail that is drawn needs them.
-    contradicted: usize,
-    supported: usize,
-    /// The index at which the search for unchecked frames continues.
-    cursor: usize,
-    /// Frames that were accepted before their paint was looked at.
-    accepted_unchecked: BTreeSet<FrameId>,
-}
-
-/// Whether the camera's own warnings say that the paint contradicts it. Who found the camera may
-/// know more of the paint than this one look: that the field is of another length, or the frames
-/// beside.
-fn is_warned(frame: &Frame) -> bool {
-    frame
-        .solution
-        .iter()
-        .flat_map(|solution| &solution.warnings)
-        .any(|warning| warning.code == LINE_CHECK)
-}
-
-impl LineChecks {
-    /// The line check of a frame's camera, if it is known. A check that the document records takes
-    /// precedence.
-    fn frame_result(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheckSummary> {
-        let says = self.picture_result(open, frame)?;
-        // Where lines contradict every camera they may be those of another sport. A warning of the
-        // camera's own is evidence of another kind.
-        let verdict = match says.verdict {
-            verdict if self.is_informative() || is_warned(frame) => verdict,
-            _ => LineVerdict::CannotSay,
-        };
-        Some(LineCheckSummary { verdict, ..says })
-    }
-
-    /// What the paint of a frame's own picture says, whatever is found in the other frames.
-    fn picture_result(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheckSummary> {
-        let recorded = frame
-            .solution
-            .as_ref()
-            .and_then(|solution| solution.line_check.as_ref());
-        let says = match recorded {
-            Some(evidence) => LineCheckSummary::from_evidence(evidence),
-            None => LineCheckSummary::from_check(&self.fresh(open, frame)?),
-        };
-        let verdict = if is_warned(frame) {
-            LineVerdict::Contradicts
-        } else {
-            says.verdict
-        };
-        Some(LineCheckSummary { verdict, ..says })
-    }
-
-    /// The check of a frame's present camera that the document does not record yet.
-    fn fresh(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheck> {
-        let known = self.known.get(&frame.id)?;
-        (Some(known.camera) == open.document.ptz_camera(frame))
-            .then_some(known.check)
-            .flatten()
-    }
-
-    /// Forgets all checks, and the running one, if the document's fields have changed: what lies on
-    /// the lines of one field may lie beside those of another.
-    fn follow_fields(&mut self, document: &Document) {
-        let now: Vec<&FieldSpec> = document.fields().collect();
-        let mut pairs = now.iter().zip(&self.fields);
-        let is_same =
-            now.len() == self.fields.len() && pairs.all(|(now, before)| now.is_same_field(before));
-        if !is_same {
-            *self = Self {
-                fields: now.into_iter().cloned().collect(),
-                cursor: self.cursor,
-                accepted_unchecked: std::mem::take(&mut self.accepted_unchecked),
-                ..Self::default()
-            };
-        }
-    }
-
-    const fn is_informative(&self) -> bool {
-        self.contradicted < CONTRADICTED_ALONE || self.supported > 0
-    }
-
-    /// Stores a check in place of the frame's earlier one, and updates the counts.
-    fn keep(&mut self, checked: CheckedLines) {
-        let verdict = |checked: &CheckedLines| checked.check.map(|check| check.verdict());
-        // Take the earlier check of the frame out of the counts, and add this one.
-        let now = verdict(&checked);
-        let before = self
-            .known
-            .insert(checked.frame.clone(), checked)
-            .as_ref()
-            .and_then(verdict);
-        for (of, count) in [
-            (LineVerdict::Contradicts, &mut self.contradicted),
-            (LineVerdict::Supports, &mut self.supported),
-        ] {
-            *count += usize::from(now == Some(of));
-            *count -= usize::from(before == Some(of));
-        }
-    }
-
-    /// The frames to be checked next: the shown one alone and first, then the selected ones, which
-    /// are about to be accepted, then the others in turn; none if all are known.
-    fn next(
-        &mut self,
-        open: &mut OpenProject,
-        shown: usize,
-        selected: &BTreeSet<usize>,
-    ) -> Vec<FrameToCheck> {
-        let count = open.document.frames.len();
-        let mut wanted: Vec<FrameToCheck> = self.lacking(open, shown).into_iter().collect();
-        if wanted.is_empty() {
-            wanted = self.next_selected(open, selected);
-        }
-        // Go on where the last search ended, in a circle, so that each frame has its turn.
-        if wanted.is_empty() {
-            for _ in 0..LOOKED_THROUGH.min(count) {
-                self.cursor = (self.cursor + 1) % count;
-                wanted.extend(self.lacking(open, self.cursor));
-                if wanted.len() == BATCH {
-                    break;
-                }
-            }
-        }
-        wanted
-    }
-
-    /// The first of the selected frames to be checked.
-    fn next_selected(
-        &self,
-        open: &mut OpenProject,
-        selected: &BTreeSet<usize>,
-    ) -> Vec<FrameToCheck> {
-        selected
-            .iter()
-            .take(SELECTED_LOOKED_THROUGH)
-            .filter_map(|place| self.lacking(open, *place))
-            .take(BATCH)
-            .collect()
-    }
-
-    /// The inputs of a frame's check, if the frame has a camera and lacks a check of it. None while
-    /// its field is not valid, which may end: the user's own templates are read in the background.
-    fn lacking(&self, open: &mut OpenProject, index: usize) -> Option<FrameToCheck> {
-        let frame = open.frame(index)?;
-        let recorded = frame
-            .solution
-            .as_ref()
-            .is_some_and(|solution| solution.line_check.is_some());
-        if frame.status == FrameStatus::Rejected || recorded {
-            return None;
-        }
-        let camera = open.document.ptz_camera(frame)?;
-        if self
-            .known
-            .get(&frame.id)
-            .is_some_and(|known| known.camera == camera)
-        {
-            return None;
-        }
-        let frame = frame.id.clone();
-        let field = open.field_of(index).ok()?;
-        Some(FrameToCheck {
-            index,
-            frame,
-            camera,
-            field,
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::{
         Action, Command, DiskReport, EditAction, Effect, Navigation, Opened, Settings,
     };
+    use std::collections::BTreeSet;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::field::builtin;
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{Camera, FramePtz, Solution, SolutionSource};
+    use touchline_documents::document::{
+        Camera, FieldSpec, Frame, FramePtz, Solution, SolutionSource,
+    };
 
     fn camera() -> PtzCamera {
         let base = CameraBase::new(

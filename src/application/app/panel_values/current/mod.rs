@@ -2,17 +2,20 @@
 //! recomputed when the document, the shown frame or the point that is being placed changes, and
 //! never stored.
 
+mod name_ranking;
+#[cfg(test)]
+mod tests;
+
 use super::proposed_base::WithProposal;
 use crate::app::OpenProject;
 use crate::app::review::disagrees;
-use crate::app::window_state::naming;
-use crate::app::window_state::naming::{NamingScene, NeighbourClick, TakenName};
-use crate::app::window_state::session::{Mode, Naming, Session};
+use crate::app::window_state::session::{Mode, Session};
 use crate::scene::next_click::{NextClick, next_clicks};
+pub(in crate::app) use name_ranking::rank_names;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{
     BaseReadiness, BetterCamera, CalibrationError, Disagreement, EstimatedBase, calibrate,
-    camera_alone, observations, solved_neighbours,
+    camera_alone, observations,
 };
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel};
@@ -21,14 +24,8 @@ use touchline_core::solve::{
     ClickResidual, FrameSolution, GOOD_CORNER_SIGMA_PX, IdentityFinding, Judgement, Verdict,
     WarningCode, judge,
 };
-use touchline_documents::document::{Click, Frame, FramePtz, Solution, SolutionSource};
+use touchline_documents::document::{Click, Frame, Solution, SolutionSource};
 use touchline_vision::relocalize::CERTAIN;
-
-/// Number of solved frames of other shots, on either side, that serve as examples of where a camera
-/// usually looks.
-const ELSEWHERE: usize = 20;
-/// Number of labelled frames, on either side, that serve as examples of where names were clicked.
-const REMEMBERED_FRAMES: usize = 3;
 
 /// The shown frame with all values derived for it.
 #[derive(Debug, Default)]
@@ -398,313 +395,5 @@ fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
             })
         }
         _ => None,
-    }
-}
-
-/// Ranks the possible names of a click. `contradicted` says that paint contradicts the frame's
-/// camera, although the document does not record that yet.
-pub(in crate::app) fn rank_names(
-    open: &mut OpenProject,
-    frame_index: usize,
-    click: usize,
-    lines: bool,
-    contradicted: bool,
-) -> Option<Naming> {
-    let field = open.field_of(frame_index).ok()?;
-    let frame = open.document.frames.get(frame_index)?;
-    let at = frame.clicks.get(click)?.image;
-    // The other clicks of the frame, without the click itself and without check clicks.
-    let mut others = frame.clone();
-    others.clicks.remove(click);
-    others.clicks.retain(|other| !other.check);
-    let base = open
-        .document
-        .camera_of(frame)
-        .and_then(|camera| camera.base_for(frame));
-    // A click that the field lacks makes the observations invalid; the name is then ranked without
-    // the other clicks.
-    let neighbours = solved_neighbours(&open.document, frame_index);
-    let named = observations(&others, &field).unwrap_or_default();
-    // The frame's camera. First from the other clicks. If none of them is named, the proposed
-    // camera or the one set by hand, unless it is doubtful. Without a base, from landmarks alone.
-    let camera = calibrate(
-        &open.document,
-        open.derived.lookup(&open.document),
-        &others,
-        &field,
-        frame_index,
-    )
-    .ok()
-    .map(|solved| solved.ptz)
-    .or_else(|| {
-        as_proposed_or_by_hand(frame)
-            .filter(|_| named.is_empty() && frame.vouches() && !contradicted)
-    })
-    .zip(base)
-    .map(|(ptz, base)| PtzCamera::new(base, ptz))
-    .or_else(|| {
-        if base.is_none() {
-            camera_alone(&open.document, &others, &field)
-        } else {
-            None
-        }
-    });
-    let scene = NamingScene {
-        field: &field,
-        image_size: frame.image_size,
-        base: base.as_ref(),
-        camera: camera.as_ref(),
-        named: &named,
-        taken: &taken_names(frame, click),
-        neighbours: &neighbours,
-        other_shots: &ptz_in_other_shots(open, frame_index),
-        neighbour_clicks: &neighbour_clicks(open, frame_index),
-    };
-    let candidates = naming::candidates(&scene, at, lines);
-    Some(Naming {
-        click,
-        candidates,
-        refines: false,
-        typed: String::new(),
-        lines,
-        highlighted: 0,
-    })
-}
-
-/// The camera of a frame that comes from a proposal or was set by hand.
-fn as_proposed_or_by_hand(frame: &Frame) -> Option<Ptz> {
-    let proposed = frame.proposed_camera().map(|proposed| proposed.ptz);
-    proposed.as_ref().or(frame.ptz.as_ref()).map(FramePtz::ptz)
-}
-
-/// The cameras of the nearest solved frames in other shots of the same camera.
-fn ptz_in_other_shots(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
-    let Some(frame) = open.frame(frame_index) else {
-        return Vec::new();
-    };
-    nearest_on_both_sides(open, frame_index, ELSEWHERE, |other| {
-        vouches_in_other_shot(other, frame)
-    })
-    .into_iter()
-    .filter_map(|at| Some(open.frame(at)?.ptz.as_ref()?.ptz()))
-    .collect()
-}
-
-/// The indices of the nearest frames for which `wanted` is true: up to `most` before a frame, and
-/// up to `most` after it.
-fn nearest_on_both_sides(
-    open: &OpenProject,
-    frame_index: usize,
-    most: usize,
-    wanted: impl Fn(&Frame) -> bool,
-) -> Vec<usize> {
-    let mut found = Vec::new();
-    for forward in [false, true] {
-        let mut at = frame_index;
-        for _ in 0..most {
-            let Some(next) = open.find(at, forward, &wanted) else {
-                break;
-            };
-            at = next;
-            found.push(at);
-        }
-    }
-    found
-}
-
-/// Whether a frame has a camera to go by and is in another shot of the same camera as `frame`.
-fn vouches_in_other_shot(other: &Frame, frame: &Frame) -> bool {
-    let is_elsewhere = other.camera == frame.camera && other.clip != frame.clip;
-    is_elsewhere && other.ptz.is_some() && other.vouches()
-}
-
-/// The names of the frame's clicks other than `except`.
-fn taken_names(frame: &Frame, except: usize) -> Vec<TakenName> {
-    let others = frame
-        .clicks
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| *index != except);
-    others
-        .filter_map(|(index, click)| {
-            Some(TakenName {
-                target: click.target.clone()?,
-                click: index,
-            })
-        })
-        .collect()
-}
-
-/// The named clicks of the nearest labelled frames of the same camera.
-fn neighbour_clicks(open: &OpenProject, frame_index: usize) -> Vec<NeighbourClick> {
-    let Some(frame) = open.frame(frame_index) else {
-        return Vec::new();
-    };
-    let labelled = nearest_on_both_sides(open, frame_index, REMEMBERED_FRAMES, |other| {
-        other.camera == frame.camera && !other.clicks.is_empty()
-    });
-    let frames = labelled.into_iter().filter_map(|at| open.frame(at));
-    frames
-        .flat_map(|frame| &frame.clicks)
-        .filter_map(|click| {
-            Some(NeighbourClick {
-                target: click.target.clone()?,
-                image: click.image,
-            })
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::{Action, App, Opened, Settings};
-    use touchline_core::camera::BaseAngles;
-    use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Document, FieldSpec, Target};
-
-    const SIZE: ImageSize = ImageSize::new(1280, 720);
-
-    fn pointed() -> PtzCamera {
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 1000.0))
-    }
-
-    fn image_of(landmark: &str) -> ImagePoint {
-        let field = touchline_core::field::builtin("soccer")
-            .unwrap()
-            .default_model()
-            .unwrap();
-        pointed()
-            .image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap()))
-            .unwrap()
-    }
-
-    /// A frame with two clicks, solved.
-    fn project() -> OpenProject {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(pointed().base());
-        document.cameras.push(camera.into());
-        let mut frame = Frame::from_image("0.jpg", "main".into(), SIZE);
-        frame.clicks = ["centre_mark", "halfway_far"]
-            .map(|id| Click::landmark(id.into(), image_of(id)))
-            .into_iter()
-            .collect();
-        document.frames.push(frame.into());
-        OpenProject::new(
-            document,
-            "/match/project.json".into(),
-            "/match".into(),
-            None,
-        )
-    }
-
-    /// Whether a refresh recomputes the frame: it then removes a mark left in the derived values.
-    fn derives(current: &mut Current, open: &mut OpenProject, session: &Session) -> bool {
-        current.readiness.left_out = 99;
-        current.refresh(Some(open), session, None, None);
-        current.readiness.left_out != 99
-    }
-
-    #[test]
-    fn only_what_changed_is_derived_again() {
-        let (mut open, mut session, mut current) =
-            (project(), Session::default(), Current::default());
-        assert!(derives(&mut current, &mut open, &session));
-        assert!(current.click_solution().is_some());
-        session.points.hover = Some(SIZE.centre());
-        session.picture.fit_scale = 0.5;
-        session.points.selected = Some(1);
-        assert!(
-            !derives(&mut current, &mut open, &session),
-            "nothing that the frame's camera rests on has changed"
-        );
-        open.document.frames[0].clicks[0].check = true;
-        assert!(derives(&mut current, &mut open, &session));
-        assert!(
-            current.click_solution().is_none(),
-            "one click is not enough"
-        );
-    }
-
-    #[test]
-    fn the_preview_follows_the_pointer_and_the_frame_stays_solved() {
-        let (mut open, mut session, mut current) =
-            (project(), Session::default(), Current::default());
-        current.refresh(Some(&mut open), &session, None, None);
-        session.mode = Mode::Placing(Target::Landmark("centre_circle_left".into()));
-        session.points.hover = Some(image_of("centre_circle_left"));
-        assert!(!derives(&mut current, &mut open, &session));
-        let first = current.preview.unwrap().ptz();
-        session.points.hover = session
-            .points
-            .hover
-            .map(|at| ImagePoint::new(at.x + 20.0, at.y));
-        assert!(!derives(&mut current, &mut open, &session));
-        assert_ne!(current.preview.unwrap().ptz(), first);
-        session.points.hover = None;
-        current.refresh(Some(&mut open), &session, None, None);
-        assert!(current.preview.is_none());
-    }
-
-    #[test]
-    fn an_alignment_is_described_by_the_numbers_that_are_known_of_it() {
-        let mut solution = Solution::default();
-        let judgement = judge_snapped(&solution, SIZE);
-        assert_eq!(judgement.reason, "painted lines fit");
-        assert_eq!(judgement.verdict, Verdict::Check);
-        solution.worst_corner_sigma_px = Some(1.3);
-        (solution.samples, solution.rms_px) = (Some(212), Some(0.81));
-        assert_eq!(
-            judge_snapped(&solution, SIZE).reason,
-            "worst corner ±1.3 px; 212 points on painted lines fit to 0.8 px"
-        );
-    }
-
-    #[test]
-    fn what_was_just_solved_is_not_solved_again() {
-        let (mut open, session, mut current) = (project(), Session::default(), Current::default());
-        let given = Err(CalibrationError::UnknownCamera {
-            camera: "supplied".to_owned(),
-        });
-        let fresh = |version| FreshSolve {
-            frame: 0,
-            version,
-            result: given.clone(),
-        };
-        let version = open.document.version();
-        current.refresh(Some(&mut open), &session, Some(fresh(version)), None);
-        assert_eq!(
-            current
-                .solution
-                .as_ref()
-                .and_then(|solution| solution.as_ref().err()),
-            given.as_ref().err()
-        );
-        open.document.frames[0].comment = Some("rain".to_owned());
-        current.refresh(Some(&mut open), &session, Some(fresh(version)), None);
-        assert!(
-            current.click_solution().is_some(),
-            "the document has changed since"
-        );
-    }
-
-    #[test]
-    fn another_document_is_derived_although_its_version_is_the_same() {
-        let mut app = App::new(Settings::default());
-        let mut empty = project().document.clone();
-        empty.frames[0].clicks.clear();
-        for (document, solved) in [(project().document.clone(), true), (empty, false)] {
-            app.update(Action::Opened(Box::new(Opened::new(
-                document,
-                "/match/project.json",
-            ))));
-            assert_eq!(app.current().click_solution().is_some(), solved);
-        }
     }
 }

@@ -1,0 +1,218 @@
+//! The length of the field, measured while a clip is tracked: it is told to the user, who may take
+//! it over. A length that a person stated stays as it is.
+
+use super::ClipTracking;
+use crate::app::window_state::session::Level;
+use crate::app::{App, Command};
+use touchline_calibration::calibrate::{
+    BulkChange, LengthOnLines, TrackedClip, length_on_lines, record_tracked, take_length,
+};
+use touchline_calibration::proposals::read_picture;
+use touchline_core::field::FieldError;
+use touchline_core::geometry::pluralise;
+use touchline_documents::document::{Frame, Step};
+use touchline_vision::media::ReadFrames;
+
+/// The length of the field that the tracked frames require, as text.
+fn describe_length(
+    LengthOnLines {
+        size,
+        frames,
+        is_prescribed,
+        ..
+    }: &LengthOnLines,
+) -> String {
+    let assumed = if *is_prescribed {
+        "m is stated, and stays"
+    } else {
+        "m was assumed"
+    };
+    format!(
+        "The painted lines of {} indicate a length of {:.2} ± {:.2} m, where {} {assumed}.",
+        pluralise(*frames, "frame"),
+        size.value_m,
+        size.sigma_m,
+        size.assumed_m
+    )
+}
+
+impl ClipTracking {
+    /// The length of the field that the painted lines of the tracked frames require, if it differs
+    /// from the assumed one.
+    pub(super) fn measure_length(
+        &self,
+        tracked: &TrackedClip,
+        reader: &mut dyn ReadFrames,
+    ) -> Result<Option<LengthOnLines>, FieldError> {
+        let mut document = self.document.clone();
+        record_tracked(&mut document, tracked);
+        let mut picture = |frame: &Frame| read_picture(reader, frame, &self.folder).ok();
+        length_on_lines(document.at(&self.folder), &mut picture)
+    }
+}
+
+impl App {
+    /// Reports another length of the field that the tracked frames require. Offers to use it if the
+    /// document states none.
+    pub(super) fn tell_length(&mut self, length: Result<Option<LengthOnLines>, FieldError>) {
+        match length {
+            Ok(None) => {}
+            Ok(Some(found)) => {
+                let text = describe_length(&found);
+                if found.is_prescribed {
+                    self.session.notify(Level::Warning, text);
+                    return;
+                }
+                if let Some(last) = &mut self.operations.clip_tracking.last {
+                    last.length = Some(found);
+                }
+                self.session
+                    .notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
+            }
+            Err(error) => {
+                let text = format!("The length of the field was not measured: {error}.");
+                self.session.notify(Level::Warning, text);
+            }
+        }
+    }
+
+    /// Uses the measured length; one step of undo. Frames with clicks are solved again; the others
+    /// must be tracked again.
+    pub(super) fn take_measured_length(&mut self) {
+        let (Some(open), Some(last)) = (&self.open, &self.operations.clip_tracking.last) else {
+            return;
+        };
+        let Some(found) = &last.length else { return };
+        let mut numbers = open.document.clone();
+        take_length(&mut numbers, found);
+        let change = BulkChange::Numbers(Box::new(numbers));
+        self.change_in_bulk(
+            Step::on_document("Take the measured length"),
+            change,
+            |app, _| {
+                if let Some(last) = &mut app.operations.clip_tracking.last {
+                    last.length = None;
+                }
+                app.session.retract(Command::TakeLength);
+                let text =
+                    "The measured length was taken. Track the cameras through the shot again.";
+                app.session
+                    .notify_with(Level::Info, text, [("Track again", Command::Track)]);
+            },
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::Action;
+    use crate::app::operations::clip_tracking::LastTracking;
+    use std::sync::Arc;
+    use touchline_calibration::proposals::Finder;
+    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::solve::base::FittedSize;
+    use touchline_documents::document::{Camera, Document, FieldSpec};
+
+    /// An application after a clip was tracked, with a camera at (1, −62, 17) m.
+    fn app() -> App {
+        let size = ImageSize::new(1920, 1080);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        let rotation = BaseAngles::default().base_from_world();
+        camera.set_base(&CameraBase::new(
+            Vec3::new(1.0, -62.0, 17.0),
+            rotation,
+            size.centre(),
+        ));
+        document.cameras.push(camera.into());
+        for name in ["a.jpg", "b.jpg"] {
+            let frame = Frame::from_image(name, "main".into(), size);
+            document.frames.push(frame.into());
+        }
+        let mut app = App::with_document(document);
+        let finder = Finder::Command {
+            name: Command::Track.name().to_owned(),
+        };
+        let batch = app.open.as_mut().unwrap().project.open_batch(finder);
+        let last = LastTracking {
+            evidence: Arc::default(),
+            batch,
+            length: None,
+        };
+        app.operations.clip_tracking.last = Some(last);
+        app
+    }
+
+    fn measured(is_prescribed: bool) -> LengthOnLines {
+        let (assumed_m, value_m, sigma_m) = (105.0, 101.0, 0.3);
+        let name = "length_m".to_owned();
+        let size = FittedSize {
+            name,
+            assumed_m,
+            value_m,
+            sigma_m,
+            position_sigma_m: Vec3::zeros(),
+            is_open: false,
+        };
+        LengthOnLines {
+            size,
+            shifts: vec![("main".into(), Vec3::new(2.0, 0.0, 0.0))],
+            frames: 4,
+            is_prescribed,
+        }
+    }
+
+    #[test]
+    fn a_measured_length_is_suggested_and_applied_in_one_step() {
+        let mut app = app();
+        assert!(app.why_not(Command::TakeLength).is_some());
+        app.tell_length(Ok(Some(measured(false))));
+        assert!(
+            app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_none()
+        );
+        let before = (*app.open().unwrap().document).clone();
+        app.update(Action::Command(Command::TakeLength));
+        let now = |app: &App| {
+            let document = &app.open().unwrap().document;
+            (
+                document.field.params.get("length_m").copied(),
+                document.cameras[0].position_m.map(|at| at.x),
+            )
+        };
+        assert_eq!(now(&app), (Some(101.0), Some(3.0)));
+        assert!(
+            !app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_some()
+        );
+        app.update(Action::Command(Command::Undo));
+        assert_eq!(*app.open().unwrap().document, before);
+    }
+
+    #[test]
+    fn a_stated_length_stays_and_a_field_that_cannot_be_measured_is_named() {
+        let mut app = app();
+        app.tell_length(Ok(Some(measured(true))));
+        assert!(app.why_not(Command::TakeLength).is_some());
+        app.tell_length(Err(FieldError::BeingRead {
+            place: "own.json".to_owned(),
+        }));
+        let texts: Vec<&str> = app
+            .session
+            .messages
+            .notices
+            .iter()
+            .map(|notice| notice.text.as_str())
+            .collect();
+        assert!(
+            texts[0].ends_with(
+                "indicate a length of 101.00 ± 0.30 m, where 105 m is stated, and stays."
+            ),
+            "{texts:?}"
+        );
+        assert!(
+            texts[1].starts_with("The length of the field was not measured: "),
+            "{texts:?}"
+        );
+    }
+}

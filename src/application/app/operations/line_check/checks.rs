@@ -1,0 +1,201 @@
+//! The results of line checks, and which frame is checked next. Results count only for the camera
+//! and the field with which they were made.
+
+use super::summary::LineCheckSummary;
+use super::{
+    BATCH, CONTRADICTED_ALONE, CheckedLines, FrameToCheck, LOOKED_THROUGH, LineCheckBatch,
+    SELECTED_LOOKED_THROUGH,
+};
+use crate::app::OpenProject;
+use crate::app::operation::Slot;
+use std::collections::{BTreeMap, BTreeSet};
+use touchline_calibration::calibrate::LINE_CHECK;
+use touchline_core::markings::LineVerdict;
+use touchline_documents::document::{Document, FieldSpec, Frame, FrameId, FrameStatus};
+use touchline_vision::paint::LineCheck;
+
+/// The line checks of the open document.
+#[derive(Debug, Default)]
+pub(in crate::app) struct LineChecks {
+    pub(super) slot: Slot<LineCheckBatch>,
+    pub(super) known: BTreeMap<FrameId, CheckedLines>,
+    /// The fields of the document for which they are known.
+    pub(super) fields: Vec<FieldSpec>,
+    /// Numbers of known cameras that are contradicted and supported. Counted incrementally, because
+    /// every thumbnail that is drawn needs them.
+    pub(super) contradicted: usize,
+    pub(super) supported: usize,
+    /// The index at which the search for unchecked frames continues.
+    pub(super) cursor: usize,
+    /// Frames that were accepted before their paint was looked at.
+    pub(super) accepted_unchecked: BTreeSet<FrameId>,
+}
+
+/// Whether the camera's own warnings say that the paint contradicts it. Who found the camera may
+/// know more of the paint than this one look: that the field is of another length, or the frames
+/// beside.
+fn is_warned(frame: &Frame) -> bool {
+    frame
+        .solution
+        .iter()
+        .flat_map(|solution| &solution.warnings)
+        .any(|warning| warning.code == LINE_CHECK)
+}
+
+impl LineChecks {
+    /// The line check of a frame's camera, if it is known. A check that the document records takes
+    /// precedence.
+    pub(super) fn frame_result(
+        &self,
+        open: &OpenProject,
+        frame: &Frame,
+    ) -> Option<LineCheckSummary> {
+        let says = self.picture_result(open, frame)?;
+        // Where lines contradict every camera they may be those of another sport. A warning of the
+        // camera's own is evidence of another kind.
+        let verdict = match says.verdict {
+            verdict if self.is_informative() || is_warned(frame) => verdict,
+            _ => LineVerdict::CannotSay,
+        };
+        Some(LineCheckSummary { verdict, ..says })
+    }
+
+    /// What the paint of a frame's own picture says, whatever is found in the other frames.
+    pub(super) fn picture_result(
+        &self,
+        open: &OpenProject,
+        frame: &Frame,
+    ) -> Option<LineCheckSummary> {
+        let recorded = frame
+            .solution
+            .as_ref()
+            .and_then(|solution| solution.line_check.as_ref());
+        let says = match recorded {
+            Some(evidence) => LineCheckSummary::from_evidence(evidence),
+            None => LineCheckSummary::from_check(&self.fresh(open, frame)?),
+        };
+        let verdict = if is_warned(frame) {
+            LineVerdict::Contradicts
+        } else {
+            says.verdict
+        };
+        Some(LineCheckSummary { verdict, ..says })
+    }
+
+    /// The check of a frame's present camera that the document does not record yet.
+    pub(super) fn fresh(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheck> {
+        let known = self.known.get(&frame.id)?;
+        (Some(known.camera) == open.document.ptz_camera(frame))
+            .then_some(known.check)
+            .flatten()
+    }
+
+    /// Forgets all checks, and the running one, if the document's fields have changed: what lies on
+    /// the lines of one field may lie beside those of another.
+    pub(super) fn follow_fields(&mut self, document: &Document) {
+        let now: Vec<&FieldSpec> = document.fields().collect();
+        let mut pairs = now.iter().zip(&self.fields);
+        let is_same =
+            now.len() == self.fields.len() && pairs.all(|(now, before)| now.is_same_field(before));
+        if !is_same {
+            *self = Self {
+                fields: now.into_iter().cloned().collect(),
+                cursor: self.cursor,
+                accepted_unchecked: std::mem::take(&mut self.accepted_unchecked),
+                ..Self::default()
+            };
+        }
+    }
+
+    pub(super) const fn is_informative(&self) -> bool {
+        self.contradicted < CONTRADICTED_ALONE || self.supported > 0
+    }
+
+    /// Stores a check in place of the frame's earlier one, and updates the counts.
+    pub(super) fn keep(&mut self, checked: CheckedLines) {
+        let verdict = |checked: &CheckedLines| checked.check.map(|check| check.verdict());
+        // Take the earlier check of the frame out of the counts, and add this one.
+        let now = verdict(&checked);
+        let before = self
+            .known
+            .insert(checked.frame.clone(), checked)
+            .as_ref()
+            .and_then(verdict);
+        for (of, count) in [
+            (LineVerdict::Contradicts, &mut self.contradicted),
+            (LineVerdict::Supports, &mut self.supported),
+        ] {
+            *count += usize::from(now == Some(of));
+            *count -= usize::from(before == Some(of));
+        }
+    }
+
+    /// The frames to be checked next: the shown one alone and first, then the selected ones, which
+    /// are about to be accepted, then the others in turn; none if all are known.
+    pub(super) fn next(
+        &mut self,
+        open: &mut OpenProject,
+        shown: usize,
+        selected: &BTreeSet<usize>,
+    ) -> Vec<FrameToCheck> {
+        let count = open.document.frames.len();
+        let mut wanted: Vec<FrameToCheck> = self.lacking(open, shown).into_iter().collect();
+        if wanted.is_empty() {
+            wanted = self.next_selected(open, selected);
+        }
+        // Go on where the last search ended, in a circle, so that each frame has its turn.
+        if wanted.is_empty() {
+            for _ in 0..LOOKED_THROUGH.min(count) {
+                self.cursor = (self.cursor + 1) % count;
+                wanted.extend(self.lacking(open, self.cursor));
+                if wanted.len() == BATCH {
+                    break;
+                }
+            }
+        }
+        wanted
+    }
+
+    /// The first of the selected frames to be checked.
+    fn next_selected(
+        &self,
+        open: &mut OpenProject,
+        selected: &BTreeSet<usize>,
+    ) -> Vec<FrameToCheck> {
+        selected
+            .iter()
+            .take(SELECTED_LOOKED_THROUGH)
+            .filter_map(|place| self.lacking(open, *place))
+            .take(BATCH)
+            .collect()
+    }
+
+    /// The inputs of a frame's check, if the frame has a camera and lacks a check of it. None while
+    /// its field is not valid, which may end: the user's own templates are read in the background.
+    fn lacking(&self, open: &mut OpenProject, index: usize) -> Option<FrameToCheck> {
+        let frame = open.frame(index)?;
+        let recorded = frame
+            .solution
+            .as_ref()
+            .is_some_and(|solution| solution.line_check.is_some());
+        if frame.status == FrameStatus::Rejected || recorded {
+            return None;
+        }
+        let camera = open.document.ptz_camera(frame)?;
+        if self
+            .known
+            .get(&frame.id)
+            .is_some_and(|known| known.camera == camera)
+        {
+            return None;
+        }
+        let frame = frame.id.clone();
+        let field = open.field_of(index).ok()?;
+        Some(FrameToCheck {
+            index,
+            frame,
+            camera,
+            field,
+        })
+    }
+}
