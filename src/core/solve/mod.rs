@@ -8,7 +8,7 @@
 //!
 //! | room | subject |
 //! |---|---|
-//! | `optimizer` | least squares, without knowing a camera |
+//! | `optimiser` | least squares, without knowing a camera |
 //! | `observations` | what was seen: clicks on landmarks and lines |
 //! | `priors` | what is known before anything was seen |
 //! | `initial_cameras` | where a refinement starts |
@@ -28,7 +28,7 @@ mod identity;
 mod identity_finding;
 mod initial_cameras;
 mod observations;
-mod optimizer;
+mod optimiser;
 mod outcome;
 mod priors;
 mod refine;
@@ -49,14 +49,14 @@ pub use initial_cameras::two_point::{
 pub use observations::observation::Observation;
 pub use observations::shape::{ObservedShape, ShapeJacobian};
 pub use observations::world_curve::WorldCurve;
-pub use optimizer::dense::DenseEquations;
-pub use optimizer::derivatives::{DerivativeError, check_derivatives};
-pub use optimizer::graduated::gauss_newton_step;
-pub use optimizer::least_squares::{
+pub use optimiser::dense::DenseEquations;
+pub use optimiser::derivatives::{DerivativeError, check_derivatives};
+pub use optimiser::graduated::gauss_newton_step;
+pub use optimiser::least_squares::{
     BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise,
 };
-pub use optimizer::loss::Loss;
-pub use optimizer::residual::{Linearised, Residual};
+pub use optimiser::loss::Loss;
+pub use optimiser::residual::{Linearised, Residual};
 pub use outcome::covariance::{
     CornerSigma, Uncertainty, covariance_in_radians, covariance_of_four_points,
 };

@@ -165,7 +165,7 @@ pub fn adjust_base(
             .collect(),
         noise_scale,
         position_covariance: covariance.fixed_view::<3, 3>(0, 0).into_owned(),
-        cost: crate::solve::optimizer::least_squares::Equations::cost(&found.equations),
+        cost: crate::solve::optimiser::least_squares::Equations::cost(&found.equations),
         iterations: found.iterations,
     }
 }

@@ -10,10 +10,10 @@ use super::shared_prior::SharedPrior;
 use crate::camera::Ptz;
 use crate::geometry::median;
 use crate::solve::Loss;
-use crate::solve::optimizer::least_squares::{
+use crate::solve::optimiser::least_squares::{
     BlockEquations, BorderedEquations, BorderedStep, Minimum, Problem, Stopping, minimise,
 };
-use crate::solve::optimizer::residual::Residual;
+use crate::solve::optimiser::residual::Residual;
 use crate::solve::refine;
 use nalgebra::SMatrix;
 

@@ -17,7 +17,7 @@ use super::shared_prior::near;
 use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera, SharedCovariance};
 use crate::field::FieldModel;
 use crate::geometry::{Angle, median_high, subsample};
-use crate::solve::optimizer::least_squares::{BlockEquations, Stopping, minimise};
+use crate::solve::optimiser::least_squares::{BlockEquations, Stopping, minimise};
 use crate::solve::{Loss, Observation, refine};
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;

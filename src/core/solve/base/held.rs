@@ -10,7 +10,7 @@ use super::shared_prior::SharedPrior;
 use super::{BaseModel, CrownModel, LensModel, Prescribed};
 use crate::camera::SharedCovariance;
 use crate::field::FieldModel;
-use crate::solve::optimizer::least_squares::Problem as _;
+use crate::solve::optimiser::least_squares::Problem as _;
 use nalgebra::{SMatrix, Vector2};
 
 /// The result of an adjustment, with what its covariance depends on.

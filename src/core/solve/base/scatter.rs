@@ -16,7 +16,7 @@
 //! - covariance: s² H⁻¹ + τ² H⁻¹ (Σ `G_l` `G_l`ᵀ) H⁻¹.
 
 use crate::field::FieldElement;
-use crate::solve::optimizer::least_squares::BlockEquations;
+use crate::solve::optimiser::least_squares::BlockEquations;
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// Usual displacement of landmarks as clicked, 1-σ in each direction, as a fraction of the field's

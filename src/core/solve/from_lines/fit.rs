@@ -15,7 +15,7 @@ use crate::solve::base::bundle::frame_equations;
 use crate::solve::base::parameters::{OF_BASE, Shared, clear_fixed, free_parameters};
 use crate::solve::base::shared_prior::SharedPrior;
 use crate::solve::base::{BaseModel, LensModel};
-use crate::solve::optimizer::least_squares::{
+use crate::solve::optimiser::least_squares::{
     BlockEquations, BorderedEquations, BorderedStep, Equations as _, Problem, Stopping, minimise,
 };
 use crate::solve::{Loss, Observation, refine};

@@ -16,7 +16,7 @@ use crate::geometry::{ImagePoint, Vec3};
 use crate::solve::SolveContext;
 use crate::solve::observations::drawn_line::DrawnLine;
 use crate::solve::observations::observation::Observation;
-use crate::solve::optimizer::loss::Loss;
+use crate::solve::optimiser::loss::Loss;
 use crate::solve::refine::cost;
 
 /// Steps of a sweep over the plausible range of focal lengths.

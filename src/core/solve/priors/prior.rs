@@ -4,7 +4,7 @@ use crate::camera::{Ptz, PtzCamera, SHARED_COLUMNS};
 use crate::field::FieldElement;
 use crate::geometry::{Angle, Mat3, Vec3};
 use crate::solve::Loss;
-use crate::solve::optimizer::residual::{Linearised, Residual};
+use crate::solve::optimiser::residual::{Linearised, Residual};
 use nalgebra::SMatrix;
 
 /// A Gaussian prior of pan, tilt and focal length, each with its 1-σ and without correlations.

@@ -1,5 +1,5 @@
 //! What the menus list, and in which order: sections, submenus, and the texts of their titles.
-//! Commands that no menu places by hand follow their group.
+//! A command that is in no submenu is a row of its group's menu.
 
 use touchline_application::app::{Command, MenuGroup};
 

@@ -8,6 +8,9 @@ use touchline_application::app::App;
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::store::{PROJECT_FILE, PROJECT_SUFFIX};
 
+/// Maximum length of a name in the row, characters; the tooltip has the whole name.
+pub(super) const LONGEST_NAME: usize = 48;
+
 /// The name of a document: of its folder if it is a project, else of its file.
 pub fn document_name(file: &Path) -> String {
     let is_project = file.file_name().is_some_and(|name| name == PROJECT_FILE);
@@ -68,9 +71,6 @@ pub(super) fn place(app: &App, ui: &mut Ui) {
         .on_hover_text(reason.clone());
     }
 }
-
-/// Maximum length of a name in the row, characters; the tooltip has the whole name.
-pub(super) const LONGEST_NAME: usize = 48;
 
 /// A text of at most `most` characters: longer ones lose their middle.
 pub(super) fn shorten_text(text: &str, most: usize) -> String {

@@ -107,43 +107,9 @@ impl App {
 mod tests {
     use super::*;
     use crate::app::Action;
-    use crate::app::operations::clip_tracking::LastTracking;
-    use std::sync::Arc;
-    use touchline_calibration::proposals::Finder;
-    use touchline_core::camera::{BaseAngles, CameraBase};
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use crate::app::operations::clip_tracking::tests::app;
+    use touchline_core::geometry::Vec3;
     use touchline_core::solve::base::FittedSize;
-    use touchline_documents::document::{Camera, Document, FieldSpec};
-
-    /// An application after a clip was tracked, with a camera at (1, −62, 17) m.
-    fn app() -> App {
-        let size = ImageSize::new(1920, 1080);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), size);
-        let rotation = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(
-            Vec3::new(1.0, -62.0, 17.0),
-            rotation,
-            size.centre(),
-        ));
-        document.cameras.push(camera.into());
-        for name in ["a.jpg", "b.jpg"] {
-            let frame = Frame::from_image(name, "main".into(), size);
-            document.frames.push(frame.into());
-        }
-        let mut app = App::with_document(document);
-        let finder = Finder::Command {
-            name: Command::Track.name().to_owned(),
-        };
-        let batch = app.open.as_mut().unwrap().project.open_batch(finder);
-        let last = LastTracking {
-            evidence: Arc::default(),
-            batch,
-            length: None,
-        };
-        app.operations.clip_tracking.last = Some(last);
-        app
-    }
 
     fn measured(is_prescribed: bool) -> LengthOnLines {
         let (assumed_m, value_m, sigma_m) = (105.0, 101.0, 0.3);

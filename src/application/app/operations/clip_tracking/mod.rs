@@ -412,7 +412,7 @@ mod tests {
     use touchline_documents::document::{Camera, FieldSpec, Frame};
 
     /// An application after a clip was tracked, with a camera at (1, −62, 17) m.
-    fn app() -> App {
+    pub(super) fn app() -> App {
         let size = ImageSize::new(1920, 1080);
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), size);

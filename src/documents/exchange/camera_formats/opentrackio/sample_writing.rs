@@ -1,5 +1,5 @@
-//! Writes one sample of `OpenTrackIO`: what stays the same in a take, timing, lens and pose.
-//! Samples of one take share their static part.
+//! Writes one sample of `OpenTrackIO`: timing, lens and pose, and in some samples the static part,
+//! which is repeated so that a reader may begin anywhere.
 
 use super::sample_reading::name_in_notes;
 use super::{MAX_NOTES, MODEL, NAME_KEY, NOMINAL_MM, NOMINAL_NOTE, OWN_NOTES};
