@@ -3,8 +3,8 @@
 //!
 //! Here the references are chosen by a rule that needs no hand: the farthest point in pan and
 //! logarithm of focal length. `CalibMe` is the homography to the best reference, as strong as in
-//! [`baselines`](crate::studies::baselines). It never tests its answer, so that the forests' test is left off
-//! as well.
+//! [`baselines`](crate::studies::baselines). It never tests its answer, so that the forests' test
+//! is left off as well.
 
 use super::progress::{Progress, step_counter};
 use super::sets::{FrameSet, Split};

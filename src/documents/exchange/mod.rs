@@ -5,7 +5,7 @@
 //! | `camera_formats`, `click_formats` | the formats themselves, each a file or folder |
 //! | `cameras` | what formats of cameras have in common |
 //! | `syntax` | JSON, tables and arrays, below any format |
-//! | `imports`, `exports` | from foreign files to a document, and from a document to foreign files |
+//! | `imports`, `exports` | from foreign files to a document, and back |
 //!
 //! [`export()`] writes a [`Format`] in memory and reads it back before anything reaches the disk: a
 //! landmark that moves by more than the format's own resolution is an error. What a format cannot

@@ -364,7 +364,7 @@ fn frame_row(way: &str, set: &FrameSet, answer: &FrameAnswer) -> Vec<Cell> {
         set.frames[answer.frame].name.as_str().into(),
         to_file(answer.view_deg).into(),
         ViewBin::from_view_deg(answer.view_deg).key().into(),
-        usize::from(is_covered(set, answer)).into(),
+        usize::from(is_covered(set, answer.frame, answer.split)).into(),
         is(Outcome::Right),
         is(Outcome::Wrong),
         is(Outcome::Refused),

@@ -1,6 +1,5 @@
 //! Whether a test frame looks where its references look, and how wide it looks.
 
-use super::answers::FrameAnswer;
 use crate::report::paper::{FAILURES_BELOW_DEG, NO_FAILURE_ABOVE_DEG};
 use crate::sets::{FrameSet, KnownFrame};
 use touchline_core::geometry::Angle;
@@ -46,10 +45,11 @@ impl ViewBin {
     }
 }
 
-/// Whether the middle of a test frame lies within the picture of one of its references, by pan.
-pub fn is_covered(set: &FrameSet, answer: &FrameAnswer) -> bool {
-    let pan = set.frames[answer.frame].truth.ptz().pan;
-    let references = &set.splits[answer.split].training_frames;
+/// Whether the middle of a test frame lies within the picture of one of its references, by pan;
+/// `split` is the index of the split in which the frame was tested.
+pub fn is_covered(set: &FrameSet, frame: usize, split: usize) -> bool {
+    let pan = set.frames[frame].truth.ptz().pan;
+    let references = &set.splits[split].training_frames;
     references.iter().any(|&reference| {
         let known = &set.frames[reference];
         // The difference of angles, which does not jump at ±180°.

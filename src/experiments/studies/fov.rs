@@ -111,7 +111,9 @@ impl TestFrames<'_> {
                 .answers
                 .iter()
                 .filter(|answer| ViewBin::from_view_deg(answer.view_deg) == bin)
-                .filter(|answer| is_covered(&self.sets[answer.repeat], answer) == covered)
+                .filter(|answer| {
+                    is_covered(&self.sets[answer.repeat], answer.frame, answer.split) == covered
+                })
                 .collect();
             let coverage = if covered { "covered" } else { "not covered" };
             let name = format!(
@@ -129,10 +131,9 @@ impl TestFrames<'_> {
     /// 1 − `IoU` of each frame over its field of view, with the paper's limits.
     fn figure(&self, with_paper: bool) -> Figure {
         let points = |covered: bool| -> Vec<[f64; 2]> {
-            let answers = self
-                .answers
-                .iter()
-                .filter(|answer| is_covered(&self.sets[answer.repeat], answer) == covered);
+            let answers = self.answers.iter().filter(|answer| {
+                is_covered(&self.sets[answer.repeat], answer.frame, answer.split) == covered
+            });
             answers
                 .filter_map(|answer| {
                     // An exact answer is drawn at the lower end of the axis, a refusal at 1.

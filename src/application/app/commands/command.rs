@@ -1,9 +1,9 @@
 //! Commands: what the user can start by menu, key or palette. All three list the same commands.
 //!
 //! A command has no arguments ("undo", "next frame"). Each has a name, a sentence for its tooltip,
-//! a menu, a kind and default keys, in one table. [`crate::app::App::why_not`] decides whether a command
-//! is available, and why not. An [`crate::app::Action`] is more general: it has arguments, and one of
-//! its variants is a command.
+//! a menu, a kind and default keys, in one table. [`crate::app::App::why_not`] decides whether a
+//! command is available, and why not. An [`crate::app::Action`] is more general: it has arguments,
+//! and one of its variants is a command.
 
 /// Something that the user can start by menu, key or palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -2,8 +2,8 @@
 //!
 //! # Order
 //!
-//! 1. The action itself: `actions.rs` and `commands.rs` dispatch it to the file of its subject, which
-//!    lies here or in one of the rooms `clicking`, `documents`, `reviewing`.
+//! 1. The action itself: `actions.rs` and `commands.rs` dispatch it to the file of its subject,
+//!    which lies here or in one of the rooms `clicking`, `documents`, `reviewing`.
 //! 2. Results of operations that waited for the end of the user's change (`requests.rs`).
 //! 3. The derived values, from those that others depend on to those that depend on them.
 //! 4. What follows from the new state: the next step of the tour, operations that start without a

@@ -123,8 +123,8 @@ pub(crate) fn follow_base(document: &mut Document, index: usize, before: &Docume
 }
 
 /// Whether a frame has the same pan, tilt and focal length in two documents, with pan in the gauge
-/// of each document's base: [`EstimatedBase::write_to`](crate::calibrate::EstimatedBase::write_to) converts
-/// the pans of all frames to the gauge of the new base.
+/// of each document's base: [`EstimatedBase::write_to`](crate::calibrate::EstimatedBase::write_to)
+/// converts the pans of all frames to the gauge of the new base.
 fn is_same_camera(now: (&Document, &Frame), before: (&Document, &Frame)) -> bool {
     let (Some(ptz), Some(known)) = (&now.1.ptz, &before.1.ptz) else {
         return now.1.ptz == before.1.ptz;

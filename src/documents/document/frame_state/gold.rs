@@ -2,7 +2,8 @@
 //! annotator's click noise.
 //!
 //! A frame is gold because the user marked it or the program chose it (`calibrate::choose_gold`).
-//! Blind clicks are stored in the frame ([`Repeat`](crate::document::Repeat)) and never change its label.
+//! Blind clicks are stored in the frame ([`Repeat`](crate::document::Repeat)) and never change its
+//! label.
 
 use crate::document::{Document, Frame, FrameStatus, Target};
 use touchline_core::field::LandmarkId;

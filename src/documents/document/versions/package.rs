@@ -2,8 +2,8 @@
 //!
 //! A package is a document of some of the frames. It records its initial frames ([`KEY`]), so that
 //! a frame that the user removed can be distinguished from one that was never in it.
-//! [`restore_package`] applies its changes to the whole document; [`merge`](crate::document::merge) then
-//! joins the results.
+//! [`restore_package`] applies its changes to the whole document; [`merge`](crate::document::merge)
+//! then joins the results.
 
 use crate::document::{Document, Frame, FrameId, Frames, Shared, Shot, ShotEnd};
 use serde_json::{Value, json};

@@ -3,8 +3,8 @@
 //!
 //! Most values have a [`Memo`], whose key is the document's version. Values that depend on all
 //! frames are updated from the frames that changed since the last request, so that an edit in a
-//! document of 100,000 frames costs what one frame costs. [`Current`](crate::app::Current), the review
-//! list and the quality page depend on these values and on the user's choices.
+//! document of 100,000 frames costs what one frame costs. [`Current`](crate::app::Current), the
+//! review list and the quality page depend on these values and on the user's choices.
 
 mod advice;
 mod field_models;
