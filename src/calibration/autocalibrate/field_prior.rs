@@ -167,6 +167,11 @@ impl FieldPrior {
             .collect()
     }
 
+    /// Whether an open length of a field reaches the limit of what is usual.
+    pub fn has_unusual_length(&self, field: &FieldModel) -> bool {
+        self.open_lengths(field).iter().any(OpenLength::is_unusual)
+    }
+
     /// The field with these lengths, in their order, clamped to what the rules allow; none if the
     /// template has no field of that size.
     pub fn with_lengths(&self, values_m: &[f64]) -> Option<FieldModel> {

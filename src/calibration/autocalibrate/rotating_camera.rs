@@ -5,7 +5,7 @@ use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
 use crate::autocalibrate::adjustment::joint::FirstReach;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{
-    FramesAtScale, MatchedFrames, renumber_matches,
+    FramePaint, FramesAtScale, MatchedFrames, PaintPoint, renumber_matches,
 };
 use crate::autocalibrate::frames::sampled_frames::SampledFrame;
 use crate::autocalibrate::search::pitch_map::PitchMap;
@@ -53,7 +53,7 @@ pub fn soccer() -> FieldPrior {
 }
 
 /// The centres of the field's lines as a frame shows them, a sample each metre.
-pub fn paint(field: &FieldModel, ptz: Ptz) -> Vec<ImagePoint> {
+pub fn paint(field: &FieldModel, ptz: Ptz) -> FramePaint {
     let camera = PtzCamera::new(base(), ptz);
     let seen = |at: Vec3| {
         camera
@@ -63,7 +63,7 @@ pub fn paint(field: &FieldModel, ptz: Ptz) -> Vec<ImagePoint> {
     };
     PitchMap::without_grid(field)
         .samples(1.0)
-        .filter_map(|line| seen(line.at))
+        .filter_map(|line| seen(line.at).map(PaintPoint::from))
         .collect()
 }
 

@@ -223,7 +223,7 @@ impl ConstrainedFrames {
             let camera = PtzCamera::new(self.base, held.ptz);
             for ray in paint
                 .iter()
-                .filter_map(|at| camera.ray_from_image(*at).ok())
+                .filter_map(|paint| camera.ray_from_image(paint.at).ok())
             {
                 let [pan, tilt] =
                     [ray.pan, ray.tilt].map(|angle| (angle.degrees() / CELL_DEG).floor() as i64);

@@ -9,8 +9,8 @@
 //! 2. [`Hypothesis::adjust`] frees pan, tilt and focal length of every frame and the lens, and fits
 //!    the paint in the pictures. It is repeated from its own result
 //!    ([`Hypothesis::adjust_repeatedly`]).
-//! 3. Where the field's size is unknown, the best [`MAX_RESIZED`] try neighbouring sizes
-//!    (`neighbours.rs`).
+//! 3. Where the field's size is unknown, the best [`MAX_RESIZED`] are adjusted until it stands
+//!    still ([`Hypothesis::settle`]) and try neighbouring sizes (`neighbours.rs`).
 //!
 //! Hypotheses are ranked by their evidence after step 2: the score of the search does not separate
 //! right from wrong reliably.
@@ -167,6 +167,7 @@ pub fn adjust_panoramas(
         let of = hypotheses.len().min(MAX_RESIZED);
         for (done, hypothesis) in hypotheses.iter_mut().take(of).enumerate() {
             report(progress, AutocalibrationProgress::Sizing { done, of })?;
+            hypothesis.settle(field_prior, matched);
             try_neighbouring_sizes(hypothesis, field_prior, matched);
         }
         sort_best_first(&mut hypotheses);
@@ -270,6 +271,24 @@ fn adjust_with_and_without_size(
             )
         },
     );
+    // A size at the limit of what is usual was stopped there on its way to a wrong minimum, most
+    // often to the boards behind the far lines. The fit is repeated from the size as assumed.
+    let is_at_limit =
+        |hypothesis: &Hypothesis| field_prior.has_unusual_length(&hypothesis.camera.field);
+    let resized = match resized {
+        Some(stopped) if field_prior.is_size_unknown() && is_at_limit(&stopped) => {
+            let again = as_assumed.as_ref().and_then(|as_assumed| {
+                let start = JointStart::from_hypothesis(as_assumed, matched)?;
+                Hypothesis::adjust_repeatedly(&start, Some(field_prior), frames, matched)
+            });
+            again
+                .filter(|again| {
+                    !is_at_limit(again) && stopped.score() < RUNNER_UP_RATIO * again.score()
+                })
+                .or(Some(stopped))
+        }
+        resized => resized,
+    };
     choose_size(as_assumed, resized, field_prior.is_known)
 }
 

@@ -101,6 +101,34 @@ impl Hypothesis {
         Some(best)
     }
 
+    /// Adjusts from its own result until the camera and the size of the field stand still.
+    ///
+    /// The length of a field and the distance of a camera behind its goal compensate each other
+    /// nearly, so an adjustment ends before it has gone all the way along that valley, and the
+    /// score is as good as the same from one pass to the next. Drawn clip 27 of the bowl, where the
+    /// far goal line is a tenth of a pixel wide: the length goes from 106.4 to 109.3 m in six
+    /// passes (108.9 m is right), and the score from 0.534 to 0.540.
+    pub fn settle(&mut self, field_prior: &FieldPrior, matched: &MatchedFrames) {
+        const MAX_PASSES: usize = 6;
+        const STILL_M: f64 = 0.1;
+        for _ in 0..MAX_PASSES {
+            let Some(start) = JointStart::from_hypothesis(self, matched) else {
+                return;
+            };
+            let next = Self::adjust(&start, Some(field_prior), &self.frames, matched);
+            let Some(mut next) = next.filter(|next| MIN_GAIN * next.score() > self.score()) else {
+                return;
+            };
+            let moved_m = (next.position_m() - self.position_m()).norm();
+            // What contradicts a stated size was found with both sizes, and is not measured again.
+            next.camera.evidence.other_size_m = self.camera.evidence.other_size_m;
+            *self = next;
+            if moved_m < STILL_M {
+                return;
+            }
+        }
+    }
+
     /// The product of explained paint and visible lines, 0 to 1.
     pub fn score(&self) -> f64 {
         self.camera.evidence.score()
@@ -202,6 +230,20 @@ mod tests {
                 found.camera.evidence.explained
             );
         }
+    }
+
+    /// On a field that is taken for 3 m too long, the camera stands still where it is right.
+    #[test]
+    fn camera_and_size_settle_together() {
+        let (prior, matched) = (soccer(), matched_views());
+        let mut settled = hypothesis(&prior.assumed);
+        settled.camera.field = prior.with_lengths(&[108.0, 68.0]).unwrap();
+        settled.camera.base.position_m.x += 1.0;
+        settled.settle(&prior, &matched);
+        let off_m = (settled.position_m() - base().position_m).norm();
+        assert!(off_m < 0.2, "{off_m:.2} m");
+        let length_m = settled.camera.field.length_m;
+        assert!((length_m - 105.0).abs() < 0.2, "{length_m:.2} m");
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! a later round on, and the field's size and the matches between frames take part after some
 //! rounds.
 
+use super::paint_contrast::PaintContrast;
 use super::paint_on_lines::{LineAssignment, SIGMA_PX, distances_px, move_to_field, paint_priors};
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, renumber_matches};
@@ -55,6 +56,8 @@ pub struct JointAdjustment {
     /// The distance between the positions that parts of the frames give, m ([`apart`]); infinite if
     /// a part gives none.
     pub parts_m: f64,
+    /// The contrast of the field's paint.
+    pub contrast: PaintContrast,
     /// The paint of each frame, assigned to lines.
     taken: Vec<FrameClicks>,
     /// Pixels of these frames per pixel at 1920 px width.
@@ -176,6 +179,7 @@ pub fn adjust_jointly(
         base: start.base,
         ptz: start.ptz.clone(),
         taken: Vec::new(),
+        contrast: PaintContrast::default(),
     };
     // Seen from a low camera the lines lie close together in the picture, and the widest rounds
     // would assign paint to neighbouring lines; skip them. The start is good enough for that.
@@ -225,6 +229,7 @@ pub fn adjust_jointly(
         mut base,
         ptz,
         taken,
+        contrast,
     } = at;
     // Cross-validation: each part of the frames is adjusted alone, with assignments, field and
     // crown held fixed, and the positions are compared.
@@ -260,6 +265,7 @@ pub fn adjust_jointly(
         sizes,
         ptz,
         parts_m,
+        contrast,
         taken,
         scale,
     })
@@ -273,6 +279,8 @@ struct JointState {
     ptz: Vec<Option<Ptz>>,
     /// The paint of each frame, assigned to lines of the field.
     taken: Vec<FrameClicks>,
+    /// As measured where it was assigned.
+    contrast: PaintContrast,
 }
 
 impl JointState {
@@ -284,11 +292,7 @@ impl JointState {
             reach_px,
             scale,
         };
-        self.taken = paint
-            .iter()
-            .zip(&self.ptz)
-            .map(|(paint, ptz)| lines.clicks_of_frame(paint, &self.base, *ptz))
-            .collect();
+        (self.taken, self.contrast) = lines.clicks_of_frames(paint, &self.base, &self.ptz);
         for (ptz, taken) in self.ptz.iter_mut().zip(&self.taken) {
             *ptz = ptz.filter(|_| taken.observations.len() >= MIN_PLACES);
         }
@@ -461,6 +465,7 @@ mod tests {
             base: base(),
             ptz: ptz().into_iter().map(Some).collect(),
             taken: Vec::new(),
+            contrast: PaintContrast::default(),
         };
         let paint = &frames_at_scale(&long).paint;
         let scale = IMAGE_SIZE.scale_from_1920();

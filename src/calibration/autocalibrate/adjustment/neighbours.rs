@@ -129,7 +129,7 @@ fn middle_of_paint(cameras: &JointStart, paint: &[FramePaint]) -> Option<Vec3> {
         let camera = PtzCamera::new(cameras.base, ptz);
         let on_ground = paint
             .iter()
-            .filter_map(|image| camera.plane_from_image(*image, 0.0));
+            .filter_map(|paint| camera.plane_from_image(paint.at, 0.0));
         for ground in on_ground.filter(|at| is_on_field(at, &cameras.field)) {
             sum += ground;
             count += 1.0;
@@ -139,7 +139,7 @@ fn middle_of_paint(cameras: &JointStart, paint: &[FramePaint]) -> Option<Vec3> {
 }
 
 /// Whether a point of the ground lies within the border of a field.
-fn is_on_field(at: &Vec3, field: &FieldModel) -> bool {
+pub fn is_on_field(at: &Vec3, field: &FieldModel) -> bool {
     at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m
 }
 

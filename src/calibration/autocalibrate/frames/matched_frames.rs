@@ -30,8 +30,16 @@ const MIN_DIRECTIONS: usize = 150;
 /// Fewer frames do not separate persistent paint from what moves.
 const MIN_FRAMES: usize = 3;
 
-/// Positions of paint in the picture of a frame, px.
-pub type FramePaint = Vec<ImagePoint>;
+/// A marking in the picture of a frame that other frames show as well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintPoint {
+    pub at: ImagePoint,
+    /// As [`MarkingPixel::contrast_px`](touchline_vision::paint::MarkingPixel::contrast_px).
+    pub contrast_px: Option<f64>,
+}
+
+/// The paint in the picture of a frame.
+pub type FramePaint = Vec<PaintPoint>;
 
 /// The largest group of frames that pairwise matches connect, numbered within the group.
 pub struct MatchedFrames {
@@ -205,9 +213,23 @@ pub fn renumber_matches(matches: &[ViewGraphEdge], group: &[usize]) -> Vec<ViewG
 fn paint_of_frames(points: &[PersistentPoint], num_frames: usize) -> Vec<FramePaint> {
     let mut paint = vec![FramePaint::new(); num_frames];
     for point in points {
-        paint[point.frame].push(point.stroke.at);
+        paint[point.frame].push(PaintPoint {
+            at: point.stroke.at,
+            contrast_px: point.stroke.contrast_px,
+        });
     }
     paint
+}
+
+#[cfg(test)]
+impl From<ImagePoint> for PaintPoint {
+    /// Paint of which only the position is known.
+    fn from(at: ImagePoint) -> Self {
+        Self {
+            at,
+            contrast_px: None,
+        }
+    }
 }
 
 #[cfg(test)]

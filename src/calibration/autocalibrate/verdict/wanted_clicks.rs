@@ -7,7 +7,7 @@
 //! it, because a click there says most. With that answer two landmarks can be named as well.
 
 use crate::autocalibrate::WantedClicks;
-use crate::autocalibrate::frames::matched_frames::{FramePaint, MatchedFrames};
+use crate::autocalibrate::frames::matched_frames::{FramePaint, MatchedFrames, PaintPoint};
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
@@ -93,7 +93,7 @@ fn farthest_landmarks(
 /// The number of cells of the picture in which paint lies.
 fn cells_filled(paint: &FramePaint, size: ImageSize) -> usize {
     let [columns, rows] = CELLS;
-    let cells = paint.iter().map(|at| {
+    let cells = paint.iter().map(|PaintPoint { at, .. }| {
         (
             cell_of(at.x, size.width, columns),
             cell_of(at.y, size.height, rows),
@@ -163,12 +163,12 @@ mod tests {
     #[test]
     fn paint_all_over_the_picture_fills_more_than_a_long_line() {
         let size = ImageSize::new(1600, 900);
-        let line = (0..160).map(|step| ImagePoint::new(10.0 * f64::from(step), 450.0));
+        let line = (0..160).map(|step| ImagePoint::new(10.0 * f64::from(step), 450.0).into());
         let box_corner = (0..9).flat_map(|step| {
             let step = f64::from(step);
             [
-                ImagePoint::new(50.0 + 100.0 * step, 50.0 + 100.0 * step),
-                ImagePoint::new(1550.0 - 100.0 * step, 50.0 + 100.0 * step),
+                ImagePoint::new(50.0 + 100.0 * step, 50.0 + 100.0 * step).into(),
+                ImagePoint::new(1550.0 - 100.0 * step, 50.0 + 100.0 * step).into(),
             ]
         });
         assert_eq!(cells_filled(&line.collect(), size), 16);

@@ -231,6 +231,7 @@ mod tests {
         marking_pixels.points = vec![MarkingPixel {
             at: ImagePoint::new(480.0, 269.5),
             normal: Vec2::new(1.0, 0.0),
+            contrast_px: None,
         }];
         let maps = EvidenceMaps::from_marking_pixels(&marking_pixels, 2.0);
         // Two cells of 1 px to the left of the border, in three directions.

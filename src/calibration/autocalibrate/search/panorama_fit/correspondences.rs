@@ -9,12 +9,13 @@ use super::super::pose::{PaintCorrespondence, paint_certainty};
 use super::parameters::{
     CROWN, FieldFamily, LENGTHS, LOG_SCALE, NUM_PARAMETERS, POSITION, Parameters, Prior, ROTATION,
 };
-use crate::autocalibrate::frames::matched_frames::FramesAtScale;
+use crate::autocalibrate::adjustment::paint_contrast::{MarkingAtLine, PaintContrast};
+use crate::autocalibrate::frames::matched_frames::{FramesAtScale, PaintPoint};
 use crate::autocalibrate::frames::rotations_by_focal_scale::RotationsByFocalScale;
 use nalgebra::{SMatrix, SVector};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::field::FieldElement;
-use touchline_core::geometry::{ImagePoint, Vec3, subsample};
+use touchline_core::geometry::{Vec3, subsample};
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
 use touchline_vision::track::RelativeRotations;
 
@@ -29,7 +30,7 @@ pub(super) struct PaintSamples<'a> {
 
 pub(super) struct PaintSample {
     frame: usize,
-    image: ImagePoint,
+    point: PaintPoint,
 }
 
 impl<'a> PaintSamples<'a> {
@@ -46,9 +47,9 @@ impl<'a> PaintSamples<'a> {
         let mut samples = Vec::new();
         for (frame, paint) in frames.paint.iter().enumerate() {
             let camera = frames.rotations.camera(frame);
-            for &image in paint {
+            for &point in paint {
                 // Beyond the fold of the lens a pixel has no direction.
-                let Ok(direction) = camera.world_direction_from_image(image) else {
+                let Ok(direction) = camera.world_direction_from_image(point.at) else {
                     continue;
                 };
                 // The grid is over pan and tilt in `panorama`.
@@ -58,7 +59,7 @@ impl<'a> PaintSamples<'a> {
                 ]
                 .map(|angle| (angle.to_degrees() / CELL_DEG).round() as i64);
                 if taken.insert((frame, cell)) {
-                    samples.push(PaintSample { frame, image });
+                    samples.push(PaintSample { frame, point });
                 }
             }
         }
@@ -76,14 +77,15 @@ impl<'a> PaintSamples<'a> {
             .collect();
         let directions = self.samples.iter().map(|sample| {
             cameras[sample.frame]
-                .world_direction_from_image(sample.image)
+                .world_direction_from_image(sample.point.at)
                 .ok()
         });
         directions.collect()
     }
 }
 
-/// Pairs each sample of paint with the line that it passes nearest to, if within three gates of it.
+/// Pairs each sample of paint with the line that it passes nearest to, if within three gates of it
+/// and not too bright for it (`paint_contrast.rs`).
 pub(super) fn match_paint_to_lines(
     at: &Parameters,
     paint: &PaintSamples<'_>,
@@ -107,6 +109,7 @@ pub(super) fn match_paint_to_lines(
     let stepped_directions = paint.directions(&paint.rotations.at(at.log_scale + LOG_SCALE_STEP)?);
 
     let mut pairs = Vec::new();
+    let mut markings = Vec::new();
     // A pair that is already farther from its line than three gates is probably paint of another
     // line, or no line at all.
     let directions = directions.into_iter().zip(stepped_directions);
@@ -131,6 +134,10 @@ pub(super) fn match_paint_to_lines(
         let paint_m = field.lines[line.line].width_m;
         let focal_px = rotations.ptz[sample.frame].focal_px;
         let width_px = pair.paint_angle(&at.pose, paint_m).unwrap_or(0.0) * focal_px;
+        markings.push(MarkingAtLine {
+            contrast_px: sample.point.contrast_px,
+            width_px,
+        });
         let pair = PaintCorrespondence {
             sigma: gate / paint_certainty(width_px).sqrt(),
             ..pair
@@ -147,7 +154,10 @@ pub(super) fn match_paint_to_lines(
             linearised_at: *at,
         });
     }
-    Some(pairs)
+    let contrast = PaintContrast::measure(markings.iter().copied());
+    let pairs = pairs.into_iter().zip(markings);
+    let of_lines = pairs.filter(|(_, marking)| !contrast.is_too_bright(*marking));
+    Some(of_lines.map(|(pair, _)| pair).collect())
 }
 
 /// Keeps equally many pairs of each line. The near touchline, which every frame shows, would

@@ -192,7 +192,7 @@ fn explained_share(
 mod tests {
     use super::super::pitch_map::{OnLine, PitchMap};
     use super::*;
-    use crate::autocalibrate::frames::matched_frames::FramePaint;
+    use crate::autocalibrate::frames::matched_frames::{FramePaint, PaintPoint};
     use std::path::Path;
     use touchline_core::camera::{FocalCurve, Ptz};
     use touchline_core::geometry::{Angle, ImageSize, Mat3, Vec3};
@@ -243,7 +243,9 @@ mod tests {
                     .ok()
             };
             let shown = |line: &OnLine| seen(line.at).filter(|image| SIZE.contains(*image));
-            map.samples(1.0).filter_map(|line| shown(&line)).collect()
+            map.samples(1.0)
+                .filter_map(|line| shown(&line).map(PaintPoint::from))
+                .collect()
         };
         let paint = (0..rotations.ptz.len()).map(of_frame).collect();
         FramesAtScale {

@@ -86,6 +86,7 @@ pub(super) fn long_ones(
         .map(|ridge| MarkingPixel {
             at: ridge.at,
             normal: ridge.normal,
+            contrast_px: ridge.contrast_px,
         })
         .collect()
 }

@@ -30,6 +30,10 @@ pub struct MarkingPixel {
     pub at: ImagePoint,
     /// Unit vector across the marking, in the picture.
     pub normal: Vec2,
+    /// On turf, the brightness above that of the turf beside it, summed across the marking, grey
+    /// levels × px. A blur does not change it: it is the contrast of the paint times the width of
+    /// the line, for lines up to some 4 px wide. None on floors.
+    pub contrast_px: Option<f64>,
 }
 
 /// The marking pixels of a picture, and where it shows ground.
@@ -264,6 +268,28 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_summed_contrast_of_a_stroke_is_that_of_its_paint_times_its_width() {
+        // White on turf of this brightness; the stripes of mowing cancel out.
+        let paint = 220.0 - 79.0;
+        for (width_px, stripes) in [
+            (0.5, [85.0, 85.0]),
+            (0.8, [75.0, 95.0]),
+            (1.2, [95.0, 75.0]),
+            (2.5, [85.0, 85.0]),
+            (4.0, [85.0, 85.0]),
+        ] {
+            let (ground, ..) = line_between_stripes(86.0, width_px, stripes);
+            let points = MarkingPixels::detect(&ground).points;
+            let mut sums: Vec<f64> = points
+                .iter()
+                .filter_map(|point| point.contrast_px)
+                .collect();
+            let share = median(&mut sums).unwrap() / (paint * width_px);
+            assert!((0.85..1.15).contains(&share), "{width_px} px: {share:.2}");
         }
     }
 

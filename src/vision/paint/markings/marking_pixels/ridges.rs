@@ -35,11 +35,17 @@ const MIN_BEND: f32 = 0.25;
 /// Maximum curvature along a marking, as a share of the curvature across it. Blobs exceed it.
 const MAX_BEND_ALONG: f32 = 0.6;
 
+/// Half the width over which the contrast of a marking is summed, px. A far line, a fraction of a
+/// pixel wide, is blurred over 3 to 6 px.
+const SUMMED_PX: f64 = 5.0;
+
 /// The centre of a marking found in one pixel.
 pub(super) struct RidgePixel {
     pub index: usize,
     pub at: ImagePoint,
     pub normal: Vec2,
+    /// As [`super::MarkingPixel::contrast_px`].
+    pub contrast_px: Option<f64>,
     pub colours: Colours,
     /// Against the turf around it; on turf alone.
     pub excess: TurfExcess,
@@ -111,10 +117,13 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixe
                 };
                 let level = ground.grey().at(at);
                 let excess = levels.as_ref().map(|levels| levels.excess(x, y, level));
+                let contrast_px =
+                    is_turf.then(|| sum_contrast(&mut profile, ground.grey(), at, normal));
                 found.push(RidgePixel {
                     index,
                     at,
                     normal,
+                    contrast_px,
                     colours: Colours::at(ground.picture(), at, normal, side_px),
                     excess: excess.unwrap_or_default(),
                 });
@@ -226,6 +235,24 @@ fn between_edges(
         (Some(from), Some(to)) => at.translate(normal * profile.offset_px(f64::midpoint(from, to))),
         _ => at,
     }
+}
+
+/// The contrast of a marking summed across it, grey levels × px, against a straight line between
+/// the brightness of both sides. Unlike the contrast itself it does not depend on the blur.
+fn sum_contrast(
+    profile: &mut Profile<f64>,
+    grey: &GreyPicture,
+    at: ImagePoint,
+    normal: Vec2,
+) -> f64 {
+    const STEP_PX: f64 = 0.5;
+    profile.read(grey, at, normal, SUMMED_PX, STEP_PX);
+    let last = profile.len() - 1;
+    // The line between the sides has their mean brightness in the middle, so its slope cancels out.
+    let sides = f64::midpoint(profile.value(0), profile.value(last));
+    let inner = last as isize / 2 - 1;
+    let sum = (2 * inner + 1) as f64 * (profile.mean(last / 2, -inner, inner) - sides);
+    STEP_PX * sum
 }
 
 /// The smallest of [`SIDES_PX`] at which both sides are darker, or for dark markings brighter, than
