@@ -5,10 +5,10 @@
 //! well on one of them, hardly on both.
 
 use super::joint::JointAdjustment;
-use super::neighbours::is_on_field;
-use super::paint_contrast::{MarkingAtLine, PaintContrast};
 use crate::autocalibrate::Doubt;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, PaintPoint};
+use crate::autocalibrate::search::paint_contrast::{MarkingAtLine, PaintContrast};
+use crate::autocalibrate::search::pitch_map::is_on_field;
 use crate::calibrate::AutocalibrationEvidence;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -379,15 +379,15 @@ mod tests {
             is_beside_field(&paint, &camera, &field, contrast)
         };
         assert!(
-            is_beside(4.0, Some(300.0), contrast),
+            is_beside(4.0, Some(600.0), contrast),
             "the foot of the boards"
         );
         assert!(
             !is_beside(4.0, Some(20.0), contrast),
             "a line of a wider field"
         );
-        assert!(!is_beside(-4.0, Some(300.0), contrast), "on the field");
+        assert!(!is_beside(-4.0, Some(600.0), contrast), "on the field");
         assert!(!is_beside(4.0, None, contrast), "on floors");
-        assert!(!is_beside(4.0, Some(300.0), PaintContrast::default()));
+        assert!(!is_beside(4.0, Some(600.0), PaintContrast::default()));
     }
 }

@@ -116,7 +116,7 @@ impl Hypothesis {
                 return;
             };
             let next = Self::adjust(&start, Some(field_prior), &self.frames, matched);
-            let Some(mut next) = next.filter(|next| MIN_GAIN * next.score() > self.score()) else {
+            let Some(mut next) = next.filter(|next| MIN_GAIN * next.score() >= self.score()) else {
                 return;
             };
             let moved_m = (next.position_m() - self.position_m()).norm();

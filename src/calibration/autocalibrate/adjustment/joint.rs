@@ -6,10 +6,10 @@
 //! a later round on, and the field's size and the matches between frames take part after some
 //! rounds.
 
-use super::paint_contrast::PaintContrast;
 use super::paint_on_lines::{LineAssignment, SIGMA_PX, distances_px, move_to_field, paint_priors};
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, renumber_matches};
+use crate::autocalibrate::search::paint_contrast::PaintContrast;
 use crate::autocalibrate::search::pitch_map::PitchMap;
 use crate::autocalibrate::search::pose::angular_scale;
 use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};

@@ -7,6 +7,5 @@ pub mod evidence;
 pub mod hypothesis;
 pub mod joint;
 pub mod neighbours;
-pub mod paint_contrast;
 pub mod paint_on_lines;
 pub mod refine;

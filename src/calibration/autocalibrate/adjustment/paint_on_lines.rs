@@ -1,14 +1,14 @@
 //! The paint of frames, assigned to the lines that their cameras see nearest to it: the
 //! observations of the joint adjustment.
 //!
-//! Paint that is too bright for the line beside it is left out (`paint_contrast.rs`).
+//! Paint that is too bright for the line beside it is left out ([`PaintContrast`]).
 //!
 //! The assignment is made with the cameras of the moment and repeated as they get better. In
 //! between it can be moved to a field of another size or crown, measured, and summed up as one pose
 //! prior per frame.
 
-use super::paint_contrast::{MarkingAtLine, PaintContrast};
 use crate::autocalibrate::frames::matched_frames::FramePaint;
+use crate::autocalibrate::search::paint_contrast::{MarkingAtLine, PaintContrast};
 use crate::autocalibrate::search::pitch_map::PitchMap;
 use crate::autocalibrate::search::pose::paint_certainty;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};

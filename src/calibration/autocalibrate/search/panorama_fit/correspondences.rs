@@ -4,12 +4,12 @@
 //! how its direction and its line move with focal scale, crown and size of the field. So a step
 //! within the round builds no field and interpolates no rotations.
 
+use super::super::paint_contrast::{MarkingAtLine, PaintContrast};
 use super::super::pitch_map::PitchMap;
 use super::super::pose::{PaintCorrespondence, paint_certainty};
 use super::parameters::{
     CROWN, FieldFamily, LENGTHS, LOG_SCALE, NUM_PARAMETERS, POSITION, Parameters, Prior, ROTATION,
 };
-use crate::autocalibrate::adjustment::paint_contrast::{MarkingAtLine, PaintContrast};
 use crate::autocalibrate::frames::matched_frames::{FramesAtScale, PaintPoint};
 use crate::autocalibrate::frames::rotations_by_focal_scale::RotationsByFocalScale;
 use nalgebra::{SMatrix, SVector};
@@ -85,7 +85,7 @@ impl<'a> PaintSamples<'a> {
 }
 
 /// Pairs each sample of paint with the line that it passes nearest to, if within three gates of it
-/// and not too bright for it (`paint_contrast.rs`).
+/// and not too bright for it ([`PaintContrast`]).
 pub(super) fn match_paint_to_lines(
     at: &Parameters,
     paint: &PaintSamples<'_>,
