@@ -23,7 +23,6 @@ use crate::autocalibrate::frames::matched_frames::{FramePaint, MatchedFrames};
 use crate::autocalibrate::search::pitch_map::is_on_field;
 use rayon::prelude::*;
 use touchline_core::camera::PtzCamera;
-use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 
 /// Moves a hypothesis to a neighbouring field size as long as that raises the score by
