@@ -167,9 +167,11 @@ impl FieldPrior {
             .collect()
     }
 
-    /// Whether an open length of a field reaches the limit of what is usual.
-    pub fn has_unusual_length(&self, field: &FieldModel) -> bool {
-        self.open_lengths(field).iter().any(OpenLength::is_unusual)
+    /// The first length of a field that reaches the limit of what is usual, where the document
+    /// states no size.
+    pub fn unusual_length(&self, field: &FieldModel) -> Option<OpenLength> {
+        let lengths = self.is_size_unknown().then(|| self.open_lengths(field));
+        lengths?.into_iter().find(OpenLength::is_unusual)
     }
 
     /// The field with these lengths, in their order, clamped to what the rules allow; none if the

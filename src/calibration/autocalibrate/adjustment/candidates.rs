@@ -271,25 +271,32 @@ fn adjust_with_and_without_size(
             )
         },
     );
-    // A size at the limit of what is usual was stopped there on its way to a wrong minimum, most
-    // often to the boards behind the far lines. The fit is repeated from the size as assumed.
-    let is_at_limit =
-        |hypothesis: &Hypothesis| field_prior.has_unusual_length(&hypothesis.camera.field);
-    let resized = match resized {
-        Some(stopped) if field_prior.is_size_unknown() && is_at_limit(&stopped) => {
-            let again = as_assumed.as_ref().and_then(|as_assumed| {
-                let start = JointStart::from_hypothesis(as_assumed, matched)?;
-                Hypothesis::adjust_repeatedly(&start, Some(field_prior), frames, matched)
-            });
-            again
-                .filter(|again| {
-                    !is_at_limit(again) && stopped.score() < RUNNER_UP_RATIO * again.score()
-                })
-                .or(Some(stopped))
+    let resized = match (&as_assumed, resized) {
+        (Some(as_assumed), Some(resized)) => {
+            let from_assumed = resize_from_assumed(as_assumed, &resized, field_prior, matched);
+            Some(from_assumed.unwrap_or(resized))
         }
-        resized => resized,
+        (_, resized) => resized,
     };
     choose_size(as_assumed, resized, field_prior.is_known)
+}
+
+/// Fits the size once more, from the field as assumed, in place of a fit that ended at the limit of
+/// what is usual: that one was stopped on its way to a wrong minimum, most often to the boards
+/// behind the far lines, and can be no answer. None if it did not end there, or if this one does
+/// too or explains much less.
+fn resize_from_assumed(
+    as_assumed: &Hypothesis,
+    resized: &Hypothesis,
+    field_prior: &FieldPrior,
+    matched: &MatchedFrames,
+) -> Option<Hypothesis> {
+    field_prior.unusual_length(&resized.camera.field)?;
+    let start = JointStart::from_hypothesis(as_assumed, matched)?;
+    let frames = &as_assumed.frames;
+    let again = Hypothesis::adjust_repeatedly(&start, Some(field_prior), frames, matched)?;
+    let is_usual = field_prior.unusual_length(&again.camera.field).is_none();
+    (is_usual && resized.score() < RUNNER_UP_RATIO * again.score()).then_some(again)
 }
 
 /// Fits a panorama again from its own pose, starting with the field as assumed.

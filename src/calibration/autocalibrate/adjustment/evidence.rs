@@ -194,7 +194,7 @@ fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Li
 /// Whether paint lies beside the field and is too bright for any line there, such as the foot of
 /// the boards. It is no evidence against a camera. Fainter paint there is: it may be a line of a
 /// larger field.
-fn is_beside_field(
+fn is_bright_beside_field(
     paint: &PaintPoint,
     camera: &PtzCamera,
     field: &FieldModel,
@@ -339,19 +339,20 @@ impl Counts {
                         && !contrast.is_too_bright(marking)
                 })
         };
-        // Both directions: paint on lines, and lines with paint.
-        let explained = paint.iter().filter(on_line).count();
-        let is_foreign = |paint: &&PaintPoint| {
-            !on_line(paint) && is_beside_field(paint, camera, field, contrast)
-        };
-        let num_foreign = paint.iter().filter(is_foreign).count();
+        // Both directions: paint on lines, and lines with paint. Bright paint beside the field is
+        // not counted.
+        let (on_lines, off_lines): (Vec<&PaintPoint>, Vec<&PaintPoint>) =
+            paint.iter().partition(on_line);
+        let is_unexplained =
+            |paint: &&&PaintPoint| !is_bright_beside_field(paint, camera, field, contrast);
+        let num_unexplained = off_lines.iter().filter(is_unexplained).count();
         let of_line = LineCounts::count(field, &samples, marking_pixels);
         let lines = (0..of_line.len())
             .filter(|line| of_line[*line].num_seen >= OF_LINE)
             .collect();
         Self {
-            paint: paint.len() - num_foreign,
-            explained,
+            paint: on_lines.len() + num_unexplained,
+            explained: on_lines.len(),
             of_line,
             lines,
         }
@@ -376,7 +377,7 @@ mod tests {
             let ground = Vec3::new(3.0, 0.5 * field.width_m + beyond_m, 0.0);
             let at = camera.image_from_world(ground).unwrap();
             let paint = PaintPoint { at, contrast_px };
-            is_beside_field(&paint, &camera, &field, contrast)
+            is_bright_beside_field(&paint, &camera, &field, contrast)
         };
         assert!(
             is_beside(4.0, Some(600.0), contrast),

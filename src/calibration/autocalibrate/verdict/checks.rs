@@ -7,7 +7,7 @@
 use super::faint_lines::LinesInMean;
 use crate::autocalibrate::adjustment::evidence::missing_lines;
 use crate::autocalibrate::error::Stop;
-use crate::autocalibrate::field_prior::{FieldPrior, OpenLength};
+use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::search::clicked::GroundClick;
 use crate::autocalibrate::{Abstention, Doubt};
@@ -111,11 +111,7 @@ pub fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
 /// The reason to reject a camera whose field has an unusual size, where the document does not state
 /// one.
 pub fn unusual_size(camera: &AutocalibratedCamera, prior: &FieldPrior) -> Option<Doubt> {
-    if !prior.is_size_unknown() {
-        return None;
-    }
-    let mut lengths = prior.open_lengths(&camera.field).into_iter();
-    let unusual = lengths.find(OpenLength::is_unusual)?;
+    let unusual = prior.unusual_length(&camera.field)?;
     Some(Doubt::UnusualSize {
         name: unusual.name,
         value_m: unusual.value_m,
