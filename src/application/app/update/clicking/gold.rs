@@ -5,12 +5,9 @@
 //! The differences between clicks on the same landmark show the annotator's click noise.
 
 use super::clicks::clamp_to_picture;
-use crate::app::App;
-use crate::app::GoldWork;
-use crate::app::Tool;
 use crate::app::window_state::reclick::{Reclick, ReclickTarget};
 use crate::app::window_state::session::{Level, Mode, PictureView};
-use crate::app::{Action, Command};
+use crate::app::{Action, App, Command, GoldWork, Tool};
 use std::sync::LazyLock;
 use touchline_calibration::calibrate::{BulkChange, ENOUGH_REPEATS, choose_gold};
 use touchline_core::geometry::ImagePoint;

@@ -1,10 +1,8 @@
 //! Assigns frames to cameras, and starts a new camera where one stops fitting.
 
-use crate::app::App;
-use crate::app::CameraChoice;
-use crate::app::Command;
 use crate::app::project::selection::{Scope, Selecting, after_click};
 use crate::app::window_state::session::{Dialog, Level};
+use crate::app::{App, CameraChoice, Command};
 use touchline_calibration::calibrate::{AssignedFrames, BulkChange, NewCamera};
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::Step;

@@ -1,16 +1,12 @@
 //! Opens, saves and leaves documents.
 
-use crate::app::App;
-use crate::app::Command;
-use crate::app::Current;
-use crate::app::OpenProject;
-use crate::app::Opened;
 use crate::app::effect::{Effect, Opening};
 use crate::app::operations::Operations;
 use crate::app::settings::RecentDocument;
 use crate::app::window_state::session::{
     Dialog, Leaving, Level, Question, Saving, Session, is_to_do,
 };
+use crate::app::{App, Command, Current, OpenProject, Opened};
 use std::path::{Path, PathBuf};
 use touchline_core::field::{FieldError, Template};
 

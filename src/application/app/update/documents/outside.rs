@@ -1,11 +1,9 @@
 //! Merges versions of the document: one that another program wrote, and edits to another version
 //! that were set aside.
 
-use crate::app::App;
-use crate::app::Command;
-use crate::app::OutsideChoice;
 use crate::app::effect::{Effect, Opening, OrphanOrder};
 use crate::app::window_state::session::{Dialog, Level, Mode};
+use crate::app::{App, Command, OutsideChoice};
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
 use touchline_core::field::FieldError;
