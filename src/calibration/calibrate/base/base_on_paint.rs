@@ -5,11 +5,11 @@
 //! once from the result. Lens and crown are chosen by their error at held-out paint.
 
 use super::follow_base::forget_certainty;
-use super::known_frames::{
-    AT_ONCE, BaseOnPaintError, KnownCameras, KnownFrames, OpenField, PaintEstimate,
-};
+use super::known_frames::{KnownFrames, PaintEstimate};
 use super::on_paint::{BasePaintAlignment, BasePaintEvidence};
+use super::paint_observations::{AT_ONCE, BaseOnPaintError, KnownCameras};
 use super::refit::refit;
+use super::size_on_paint::OpenField;
 use crate::calibrate::frames::solve_frames::is_by_clicks;
 use crate::calibrate::paint::{record_snapped, snap_frame};
 use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};

@@ -12,6 +12,8 @@ pub mod known_frames;
 pub mod length_on_lines;
 pub mod on_paint;
 pub mod own_cameras;
+pub mod paint_observations;
 pub mod refit;
 pub mod size_fit;
+pub mod size_on_paint;
 pub mod unseen_length;
