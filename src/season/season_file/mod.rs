@@ -22,6 +22,9 @@
 //!
 //! Paths are relative to the season file's folder. Every mistake is one line that names the file,
 //! the line in it and the way to mend it.
+//!
+//! What is read is described here, and so are the names in the folder of a collected season. The
+//! text is read in `reader.rs`; the mistakes are listed in `error.rs`.
 
 mod error;
 mod reader;
