@@ -23,9 +23,7 @@ pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{MIN_DEPTH, ProjectError, PtzCamera};
 pub use ray::PanTilt;
 pub(crate) use shared_parameters::SHARED_COLUMNS;
-pub use shared_parameters::{
-    BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError,
-};
+pub use shared_parameters::{BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError};
 
 use crate::geometry::rotation::{q_pan, q_tilt};
 use crate::geometry::{Angle, Mat3};

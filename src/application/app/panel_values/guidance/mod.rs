@@ -220,9 +220,7 @@ mod tests {
     use crate::app::{Action, EditAction, Navigation, PointerAction};
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{
-        Camera, Document, FieldSpec, RejectReason,
-    };
+    use touchline_documents::document::{Camera, Document, FieldSpec, RejectReason};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
