@@ -78,7 +78,9 @@ mod tests {
     /// The same version after changes at some positions.
     fn changed(version: &FramesVersion, positions: &[usize]) -> FramesVersion {
         let mut next = version.clone();
-        positions.iter().for_each(|at| next.record_change(*at));
+        for position in positions {
+            next.record_change(*position);
+        }
         next
     }
 
