@@ -113,7 +113,7 @@ const STATICS: &[Static] = &[
     // Whether the thread catches its own panics: the hook for panics is one for all threads.
     ("src/application/jobs/panicked.rs", "IS_HERE"),
     // Numbers the states of documents, so that none repeats in a process.
-    ("src/documents/document/model/frames.rs", "LAST"),
+    ("src/documents/document/model/frames_version.rs", "LAST"),
     // OpenCV's number of threads is one for the whole process.
     ("src/vision/features/sift.rs", "ONE_THREAD"),
     // The threads of the process: a process that was forked has none of them.

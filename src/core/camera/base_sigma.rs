@@ -6,31 +6,12 @@
 //! the errors have one joint covariance, which is only ever changed as a whole. If the σ of one
 //! parameter were raised and its correlations kept, errors that cancelled before would add up.
 
+use super::shared_parameters::{
+    BaseCorrelation, GAUGE, SHARED_COLUMNS, SHARED_PARAMETERS, SharedCovariance, SharedError, place,
+};
 use crate::geometry::{Mat3, Vec2, Vec3};
-use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
+use nalgebra::{DMatrix, Matrix3, SMatrix};
 use serde::Serialize;
-
-/// The number of parameters that the frames of a camera share: position along `world` x, y, z (m),
-/// rotation about `world` x and y (rad), k₁ at the curve's focal length, its slope per 1000 px, the
-/// height of the pitch's crown (m), the principal point (px). All matrices and vectors of them are
-/// in this order. Rotation about z is the pan gauge, not an error, and is left out.
-pub const SHARED_PARAMETERS: usize = 10;
-
-/// A covariance of the shared parameters.
-pub type SharedCovariance = SMatrix<f64, SHARED_PARAMETERS, SHARED_PARAMETERS>;
-
-/// One error of the shared parameters.
-pub type SharedError = SVector<f64, SHARED_PARAMETERS>;
-
-/// The number of columns of a Jacobian by the shared parameters: these, with the rotation about z
-/// inserted behind the two others, as in [`BaseSigma::root`].
-pub(crate) const SHARED_COLUMNS: usize = SHARED_PARAMETERS + 1;
-
-/// The column of the rotation about z in such a Jacobian.
-const GAUGE: usize = 5;
-
-/// Tolerance of a stated correlation matrix, because documents round its digits.
-const ROUNDING: f64 = 1e-3;
 
 /// 1-σ of the shared parameters, with their correlations; zero means exactly known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -54,16 +35,6 @@ pub struct BaseSigma {
     pub correlation: BaseCorrelation,
 }
 
-/// The correlations between the errors of the shared parameters, in the order of
-/// [`SHARED_PARAMETERS`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BaseCorrelation {
-    /// Below the diagonal, row by row.
-    below_diagonal: [f64; BELOW_DIAGONAL],
-}
-
-const BELOW_DIAGONAL: usize = SHARED_PARAMETERS * (SHARED_PARAMETERS - 1) / 2;
-
 impl BaseSigma {
     /// From a joint covariance of the shared parameters; `crown_width_m` is the width of the pitch
     /// whose crown is among them.
@@ -77,9 +48,6 @@ impl BaseSigma {
                 variance.max(0.0).sqrt()
             }
         });
-        let below_diagonal = below_diagonal(|row, column| {
-            correlation(covariance[(row, column)], deviation[row], deviation[column])
-        });
         Self {
             position_m: deviation.fixed_rows::<3>(0).into_owned(),
             rotation: Vec3::new(deviation[3], deviation[4], 0.0),
@@ -88,7 +56,7 @@ impl BaseSigma {
             crown_m: deviation[7],
             crown_width_m,
             principal_point_px: deviation.fixed_rows::<2>(8).into_owned(),
-            correlation: BaseCorrelation { below_diagonal },
+            correlation: BaseCorrelation::of_covariance(covariance, &deviation),
         }
     }
 
@@ -255,17 +223,6 @@ impl BaseSigma {
     }
 }
 
-/// The correlation of two errors from their covariance and their σ. Zero where a parameter is
-/// exactly known (0 / 0) or unknown (∞ / ∞).
-fn correlation(covariance: f64, sigma: f64, other_sigma: f64) -> f64 {
-    let correlation = covariance / (sigma * other_sigma);
-    if correlation.is_finite() {
-        correlation.clamp(-1.0, 1.0)
-    } else {
-        0.0
-    }
-}
-
 /// The covariance of some of the shared parameters, given by their indices.
 fn part_of_covariance(covariance: &SharedCovariance, parameters: &[usize]) -> DMatrix<f64> {
     DMatrix::from_fn(parameters.len(), parameters.len(), |row, column| {
@@ -283,15 +240,6 @@ fn product_of_earlier_columns(
     (0..column)
         .map(|before| root[(place(row), place(before))] * root[(place(column), place(before))])
         .sum()
-}
-
-/// The index of a shared parameter in [`BaseSigma::root`], where the gauge is inserted.
-const fn place(parameter: usize) -> usize {
-    if parameter < GAUGE {
-        parameter
-    } else {
-        parameter + 1
-    }
 }
 
 /// The smallest covariance that is at least `own` and at least `other` in every direction. In
@@ -320,93 +268,6 @@ fn raise_to(own: &DMatrix<f64>, other: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         .iter()
         .all(|value| value.is_finite())
         .then_some(raised)
-}
-
-impl Default for BaseCorrelation {
-    fn default() -> Self {
-        Self::NONE
-    }
-}
-
-impl BaseCorrelation {
-    /// Independent errors.
-    pub const NONE: Self = Self {
-        below_diagonal: [0.0; BELOW_DIAGONAL],
-    };
-
-    /// From the rows of a correlation matrix of the shared parameters, or of the first five of
-    /// them: position x, y, z and rotation about x, y. None where it is not a correlation matrix:
-    /// not symmetric, not ones on the diagonal, or not positive semidefinite.
-    #[must_use]
-    pub fn from_rows(rows: &[Vec<f64>]) -> Option<Self> {
-        let size = rows.len();
-        if !(size == GAUGE || size == SHARED_PARAMETERS) || rows.iter().any(|row| row.len() != size)
-        {
-            return None;
-        }
-        // Parameters that are not stated have independent errors.
-        let stated = SharedCovariance::from_fn(|row, column| {
-            if row < size && column < size {
-                rows[row][column]
-            } else {
-                f64::from(u8::from(row == column))
-            }
-        });
-        let of_errors = Self {
-            below_diagonal: below_diagonal(|row, column| stated[(row, column)]),
-        };
-        // The matrix of the entries below the diagonal is symmetric with ones on the diagonal, so
-        // the stated one has to be equal to it; NaN is not. Only then eigenvalues have a meaning.
-        let is_one = (of_errors.matrix() - stated)
-            .iter()
-            .all(|off| off.abs() <= ROUNDING);
-        let can_be = is_one && of_errors.matrix().symmetric_eigenvalues().min() >= -ROUNDING;
-        can_be.then_some(of_errors)
-    }
-
-    /// The rows of the whole matrix, or only those of the first five parameters if the others are
-    /// uncorrelated.
-    #[must_use]
-    pub fn rows(&self) -> Vec<Vec<f64>> {
-        let matrix = self.matrix();
-        let of_pose = GAUGE * (GAUGE - 1) / 2;
-        let is_of_pose_alone = self.below_diagonal[of_pose..]
-            .iter()
-            .all(|share| *share == 0.0);
-        let size = if is_of_pose_alone {
-            GAUGE
-        } else {
-            SHARED_PARAMETERS
-        };
-        (0..size)
-            .map(|row| (0..size).map(|column| matrix[(row, column)]).collect())
-            .collect()
-    }
-
-    /// The whole matrix.
-    #[must_use]
-    pub fn matrix(&self) -> SharedCovariance {
-        SharedCovariance::from_fn(|row, column| {
-            let (later, earlier) = (row.max(column), row.min(column));
-            if row == column {
-                1.0
-            } else {
-                self.below_diagonal[later * (later - 1) / 2 + earlier]
-            }
-        })
-    }
-}
-
-impl Serialize for BaseCorrelation {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.rows().serialize(serializer)
-    }
-}
-
-fn below_diagonal(at: impl Fn(usize, usize) -> f64) -> [f64; BELOW_DIAGONAL] {
-    let mut places =
-        (1..SHARED_PARAMETERS).flat_map(|row| (0..row).map(move |column| (row, column)));
-    std::array::from_fn(|_| places.next().map_or(0.0, |(row, column)| at(row, column)))
 }
 
 #[cfg(test)]
@@ -577,43 +438,5 @@ mod tests {
         assert_eq!(BaseSigma::default().root().amax(), 0.0);
         let not_a_number = BaseSigma::from_covariance(&SharedCovariance::repeat(f64::NAN), WIDTH_M);
         assert_eq!(not_a_number, sigma);
-    }
-
-    #[test]
-    fn only_correlation_matrices_are_taken() {
-        let right = BaseSigma::from_covariance(&covariance(), WIDTH_M).correlation;
-        assert_eq!(BaseCorrelation::from_rows(&right.rows()), Some(right));
-        let unit: Vec<Vec<f64>> = BaseCorrelation::NONE.rows();
-        assert_eq!(
-            (unit.len(), BaseCorrelation::from_rows(&unit)),
-            (5, Some(BaseCorrelation::NONE))
-        );
-        let changed = |changes: &[(usize, usize, f64)]| {
-            let mut rows = unit.clone();
-            for (row, column, value) in changes {
-                rows[*row][*column] = *value;
-            }
-            rows
-        };
-        let lopsided = changed(&[(0, 1, 0.5)]);
-        let impossible = changed(&[
-            (0, 1, 0.9),
-            (1, 0, 0.9),
-            (1, 2, 0.9),
-            (2, 1, 0.9),
-            (0, 2, -0.9),
-            (2, 0, -0.9),
-        ]);
-        let no_ones = changed(&[(2, 2, 2.0)]);
-        for wrong in [
-            lopsided,
-            impossible,
-            no_ones,
-            changed(&[(1, 1, f64::NAN)]),
-            unit[..4].to_vec(),
-            Vec::new(),
-        ] {
-            assert_eq!(BaseCorrelation::from_rows(&wrong), None, "{wrong:?}");
-        }
     }
 }

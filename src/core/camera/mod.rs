@@ -13,17 +13,17 @@ mod distortion;
 mod jacobian;
 mod projection;
 mod ray;
+mod shared_parameters;
 
 pub use base::{BaseAngles, CameraBase};
-pub(crate) use base_sigma::SHARED_COLUMNS;
-pub use base_sigma::{
-    BaseCorrelation, BaseSigma, SHARED_PARAMETERS, SharedCovariance, SharedError,
-};
+pub use base_sigma::BaseSigma;
 pub use distance::{AngularDistance, image_space_distances_px};
 pub use distortion::{FocalCurve, Radial, UndistortError, undistort};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{MIN_DEPTH, ProjectError, PtzCamera};
 pub use ray::PanTilt;
+pub(crate) use shared_parameters::SHARED_COLUMNS;
+pub use shared_parameters::{BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError};
 
 use crate::geometry::rotation::{q_pan, q_tilt};
 use crate::geometry::{Angle, Mat3};

@@ -24,6 +24,13 @@ pub fn reference() -> Document {
     document(&base, &[(12.5, -11.2, 2410.0)])
 }
 
+/// The same camera without distortion.
+pub fn pinhole_reference() -> Document {
+    let mut document = reference();
+    document.cameras[0].distortion = None;
+    document
+}
+
 /// A document with one camera and frames pointed so.
 pub fn document(base: &CameraBase, ptz: &[(f64, f64, f64)]) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));

@@ -238,7 +238,7 @@ const fn is_modifier(key: Key) -> bool {
 /// A key stroke as the settings store it. For punctuation, Shift is not stored, because the
 /// keyboard layout decides whether the sign needs it.
 fn chord(key: Key, modifiers: Modifiers) -> Chord {
-    // Some layouts report the question mark as Shift and slash (`keys::question_mark`).
+    // Some layouts report the question mark as Shift and slash (`key_stroke::question_mark`).
     let question = key == Key::Questionmark || key == Key::Slash && modifiers.shift;
     let sign = question
         || matches!(

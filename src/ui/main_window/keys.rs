@@ -5,10 +5,12 @@
 //! Escape, and one that [`opens`] lists also with the key that opens it. It takes all other keys,
 //! unless it is about appearance.
 
+use super::focus::{Focus, is_free};
+use super::key_stroke::{KeyStroke, command_of, key_of, question_mark};
 use crate::ui::{dialogs, takes_keys};
-use egui::{Event, FocusDirection, Key, Modifiers};
+use egui::{Event, FocusDirection, Key};
 use touchline_application::app::session::{Dialog, HeldCommands, Mode};
-use touchline_application::app::{Action, App, Chord, Command, EditAction, MenuGroup, ViewAction};
+use touchline_application::app::{Action, App, Command, EditAction, ViewAction};
 
 /// Distance by which an arrow key moves the selected point, px of the picture: alone, with Shift,
 /// with Alt.
@@ -26,45 +28,12 @@ const REPEATED: [Command; 8] = [
     Command::ZoomOut,
 ];
 
-/// A key that went down or up.
-#[derive(Clone, Copy, Debug)]
-pub struct KeyStroke {
-    /// The logical key, which depends on the keyboard layout.
-    pub key: Key,
-    /// The physical key, if the platform reports it.
-    pub physical: Option<Key>,
-    /// Whether the key went down.
-    pub pressed: bool,
-    /// Whether this is an automatic repetition while the key stays down.
-    pub repeat: bool,
-    /// The modifiers.
-    pub modifiers: Modifiers,
-}
-
-/// What has the keyboard focus.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Focus {
-    /// Nothing.
-    #[default]
-    Free,
-    /// A button or similar, reached by Tab: it handles Enter, Space, Tab and arrows itself.
-    Widget,
-    /// A text field.
-    Text,
-}
-
 /// Reads the keys of this frame of the window.
 pub fn read(app: &App, actions: &mut Vec<Action>, ctx: &egui::Context) {
     // A menu or the dialog of keys reads the key presses. A key that goes up still ends the command
     // that lasts while it is down, or the overlay would stay hidden after the menu has closed.
     let is_taken = dialogs::captures_keys(ctx) || egui::Popup::is_any_open(ctx);
-    let focus = if ctx.text_edit_focused() {
-        Focus::Text
-    } else if ctx.egui_wants_keyboard_input() {
-        Focus::Widget
-    } else {
-        Focus::Free
-    };
+    let focus = Focus::now(ctx);
     let (events, window_focused) = ctx.input(|input| (input.events.clone(), input.focused));
     let mut typed: Vec<Action> = Vec::new();
     for event in &events {
@@ -213,137 +182,6 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
     }))
 }
 
-/// Whether the focused control leaves this key to the program, given the command that has it.
-fn is_free(stroke: &KeyStroke, command: Option<Command>, focus: Focus) -> bool {
-    let function_key = stroke.key.name().len() > 1 && stroke.key.name().starts_with('F');
-    match focus {
-        Focus::Free => true,
-        Focus::Widget => !matches!(
-            stroke.key,
-            Key::Enter
-                | Key::Space
-                | Key::Tab
-                | Key::Escape
-                | Key::ArrowLeft
-                | Key::ArrowRight
-                | Key::ArrowUp
-                | Key::ArrowDown
-        ),
-        // A text field has its own undo, cursor and clipboard keys. Only function keys and the
-        // shortcuts of a few commands are left, whichever letters the user gave them.
-        Focus::Text => {
-            function_key
-                || stroke.modifiers.command
-                    && !is_key_of_text(stroke.key)
-                    && command.is_some_and(works_beside_text)
-        }
-    }
-}
-
-/// Whether a shortcut of a command works while a text is typed: it is about the whole document or
-/// the program, so that the text that has the focus does not matter to it.
-fn works_beside_text(command: Command) -> bool {
-    command.group() == MenuGroup::File || matches!(command, Command::Comment | Command::Palette)
-}
-
-/// Whether a text field has its own meaning for Ctrl with a key, so that no command gets it there.
-const fn is_key_of_text(key: Key) -> bool {
-    matches!(
-        key,
-        Key::A
-            | Key::C
-            | Key::V
-            | Key::X
-            | Key::Y
-            | Key::Z
-            | Key::ArrowLeft
-            | Key::ArrowRight
-            | Key::ArrowUp
-            | Key::ArrowDown
-            | Key::Home
-            | Key::End
-            | Key::Backspace
-            | Key::Delete
-    )
-}
-
-/// Replaces Shift with the slash key by the question mark, because some layouts report no logical
-/// key for it.
-fn question_mark(stroke: KeyStroke) -> KeyStroke {
-    let is_slash = stroke.key == Key::Slash
-        && stroke
-            .physical
-            .is_none_or(|physical| physical == Key::Slash);
-    if is_slash && stroke.modifiers.shift {
-        KeyStroke {
-            key: Key::Questionmark,
-            ..stroke
-        }
-    } else {
-        stroke
-    }
-}
-
-/// The command of a key stroke: by the logical key, else by the physical one.
-fn command_of(app: &App, stroke: &KeyStroke) -> Option<Command> {
-    command_with_chord(app, |chord| is_logically(chord, stroke))
-        .or_else(|| command_with_chord(app, |chord| is_physically(chord, stroke)))
-}
-
-/// The first command with a chord for which `matches` is true.
-fn command_with_chord(app: &App, matches: impl Fn(&Chord) -> bool) -> Option<Command> {
-    Command::all().find(|command| app.settings.keys.chords(*command).iter().any(&matches))
-}
-
-/// Whether a chord names this stroke's logical key. For a punctuation key a surplus Shift is
-/// allowed, because the layout may need it to produce the sign.
-fn is_logically(chord: &Chord, stroke: &KeyStroke) -> bool {
-    let modifiers = stroke.modifiers;
-    key_of(chord) == Some(stroke.key)
-        && chord.ctrl == modifiers.command
-        && chord.alt == modifiers.alt
-        && (chord.shift == modifiers.shift || is_sign(stroke.key) && !chord.shift)
-}
-
-/// Whether a chord names this stroke's physical key. Only for punctuation: on some layouts Shift
-/// with the dot is a colon, and then the dot's key counts.
-fn is_physically(chord: &Chord, stroke: &KeyStroke) -> bool {
-    let modifiers = stroke.modifiers;
-    is_sign(stroke.key)
-        && stroke.physical.is_some()
-        && key_of(chord) == stroke.physical
-        && (chord.ctrl, chord.alt, chord.shift)
-            == (modifiers.command, modifiers.alt, modifiers.shift)
-}
-
-/// Whether a key is a punctuation sign, so that the layout decides whether it needs Shift.
-const fn is_sign(key: Key) -> bool {
-    matches!(
-        key,
-        Key::Plus
-            | Key::Minus
-            | Key::Equals
-            | Key::Questionmark
-            | Key::Exclamationmark
-            | Key::Slash
-            | Key::Backslash
-            | Key::Pipe
-            | Key::Colon
-            | Key::Semicolon
-            | Key::Quote
-            | Key::Backtick
-            | Key::OpenBracket
-            | Key::CloseBracket
-            | Key::OpenCurlyBracket
-            | Key::CloseCurlyBracket
-    )
-}
-
-/// The key that a chord names.
-pub fn key_of(chord: &Chord) -> Option<Key> {
-    Key::from_name(&chord.key)
-}
-
 /// Whether a command opens this dialog. The same key closes it again.
 fn opens(command: Command, dialog: &Dialog) -> bool {
     matches!(
@@ -374,6 +212,7 @@ fn is_held_down(app: &App, command: Command) -> bool {
 mod tests {
     use super::*;
     use crate::ui::open_with_click;
+    use egui::Modifiers;
     use touchline_application::app::Navigation;
     use touchline_core::geometry::ImagePoint;
 
@@ -395,60 +234,6 @@ mod tests {
 
     fn press(app: &App, key: Key, modifiers: Modifiers) -> Option<Action> {
         meaning(app, stroke(key, modifiers), Focus::Free)
-    }
-
-    #[test]
-    fn modifiers_are_read_exactly() {
-        let app = app();
-        let ctrl_shift = Modifiers::COMMAND | Modifiers::SHIFT;
-        assert_eq!(
-            press(&app, Key::Z, Modifiers::COMMAND),
-            Some(Action::Command(Command::Undo))
-        );
-        assert_eq!(
-            press(&app, Key::Z, ctrl_shift),
-            Some(Action::Command(Command::Redo))
-        );
-        assert_eq!(
-            press(&app, Key::Z, NONE),
-            Some(Action::Command(Command::ZoomToClick))
-        );
-        assert_eq!(
-            press(&app, Key::Period, Modifiers::SHIFT),
-            Some(Action::Command(Command::NextTenFrames))
-        );
-        assert_eq!(
-            press(&app, Key::Period, NONE),
-            Some(Action::Command(Command::NextFrame))
-        );
-        assert_eq!(press(&app, Key::J, NONE), None);
-    }
-
-    #[test]
-    fn signs_are_found_on_any_layout() {
-        let app = app();
-        let question = Some(Action::Command(Command::Keys));
-        assert_eq!(press(&app, Key::Questionmark, Modifiers::SHIFT), question);
-        assert_eq!(press(&app, Key::Questionmark, NONE), question);
-        assert_eq!(press(&app, Key::Slash, Modifiers::SHIFT), question);
-        assert_eq!(
-            press(&app, Key::Plus, Modifiers::SHIFT),
-            Some(Action::Command(Command::ZoomIn))
-        );
-        // On a German keyboard Shift and 7 is a slash, Shift and the dot is a colon.
-        let german_slash = KeyStroke {
-            physical: Some(Key::Num7),
-            ..stroke(Key::Slash, Modifiers::SHIFT)
-        };
-        assert_eq!(meaning(&app, german_slash, Focus::Free), None);
-        let german_colon = KeyStroke {
-            physical: Some(Key::Period),
-            ..stroke(Key::Colon, Modifiers::SHIFT)
-        };
-        assert_eq!(
-            meaning(&app, german_colon, Focus::Free),
-            Some(Action::Command(Command::NextTenFrames))
-        );
     }
 
     #[test]
@@ -509,28 +294,6 @@ mod tests {
             press(&app, Key::Z, Modifiers::COMMAND),
             Some(Action::Command(Command::Undo))
         );
-    }
-
-    #[test]
-    fn beside_a_text_the_keys_are_those_of_the_users_keymap() {
-        let mut app = app();
-        let keys = &mut app.settings.keys;
-        keys.assign(Command::Save, "Ctrl+J".parse().unwrap());
-        keys.assign(Command::Undo, "Ctrl+E".parse().unwrap());
-        keys.assign(Command::Quit, "Ctrl+A".parse().unwrap());
-        for (key, expected) in [
-            (Key::J, Some(Action::Command(Command::Save))),
-            (Key::S, None),
-            // Undo is the text field's own, and so is the key that selects all of a text.
-            (Key::E, None),
-            (Key::A, None),
-        ] {
-            assert_eq!(
-                meaning(&app, stroke(key, Modifiers::COMMAND), Focus::Text),
-                expected,
-                "{key:?}"
-            );
-        }
     }
 
     #[test]

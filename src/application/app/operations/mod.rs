@@ -1,5 +1,5 @@
-//! The operations: slow work of the application. Each has one file with its input and its work, the
-//! condition under which it is available, the use of its result, and its messages.
+//! The operations: slow work of the application. Each has one file or folder with its input and its
+//! work, the condition under which it is available, the use of its result, and its messages.
 //!
 //! To add an operation, write its file, give [`Operations`] a field for its state, and let a
 //! command or an action start it. The commands of operations, and the operations that start without

@@ -1,13 +1,13 @@
 //! The frames of a document: ordered, each with a unique id, shared with the states kept for undo.
 
+use super::frames_version::FramesVersion;
 use crate::document::{Frame, FrameId, Shared};
 use imbl::Vector;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator};
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::HashMap;
 use std::fmt;
 use std::ops::{Bound, Index, IndexMut, RangeBounds};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Frames in the order in which the user steps through them.
 ///
@@ -20,7 +20,7 @@ pub struct Frames {
     ordered: Vector<Shared<Frame>>,
     /// The position of each id when the order last changed.
     positions: Arc<HashMap<FrameId, usize>>,
-    state: State,
+    version: FramesVersion,
 }
 
 /// Two frames of a document have the same id.
@@ -31,69 +31,6 @@ pub(in crate::document) struct DuplicateId {
     pub second: usize,
     /// The earlier one's.
     pub first: usize,
-}
-
-/// The identity of a state of the frames, and its recent predecessors.
-#[derive(Clone, Default)]
-struct State {
-    /// Unique to this state and its clones. The empty state has number 0.
-    number: u64,
-    /// The last changes, oldest first: the number of the state before, and the position of the
-    /// frame that was borrowed mutably.
-    changes: VecDeque<(u64, usize)>,
-    /// Whether every frame is at the known position of its id; computed when an id is not found. It
-    /// avoids a linear search for each of many ids that no frame has.
-    are_known: OnceLock<bool>,
-}
-
-/// The number of remembered changes of single frames: an edit makes a few, a batch of 64 proposals
-/// a few for each.
-const REMEMBERED: usize = 256;
-
-impl State {
-    /// A new state without predecessors.
-    fn new() -> Self {
-        static LAST: AtomicU64 = AtomicU64::new(0);
-        Self {
-            number: LAST.fetch_add(1, Ordering::Relaxed) + 1,
-            ..Self::default()
-        }
-    }
-
-    /// Advances to a new state in which the frame at a position may differ.
-    fn record_change(&mut self, position: usize) {
-        let mut changes = std::mem::take(&mut self.changes);
-        if changes.len() == REMEMBERED {
-            changes.pop_front();
-        }
-        changes.push_back((self.number, position));
-        *self = Self {
-            changes,
-            ..Self::new()
-        };
-    }
-
-    /// The positions at which frames may differ from those of another state; none unless both
-    /// remember a common predecessor.
-    fn possible_differences(&self, other: &Self) -> Option<BTreeSet<usize>> {
-        // The nearest state that both remember. Frames outside the changes since then, on either
-        // side, are those of that state in both. Each side remembers at most `REMEMBERED` numbers,
-        // which bounds this search.
-        let mut own = self.back().enumerate();
-        let (ago, others) = own
-            .find_map(|(ago, state)| Some((ago, other.back().position(|other| other == state)?)))?;
-        Some(self.last(ago).chain(other.last(others)).collect())
-    }
-
-    /// The positions of the last `many` changes.
-    fn last(&self, many: usize) -> impl Iterator<Item = usize> {
-        self.changes.iter().rev().take(many).map(|(_, at)| *at)
-    }
-
-    /// The numbers of this state and of its remembered predecessors.
-    fn back(&self) -> impl Iterator<Item = u64> {
-        std::iter::once(self.number).chain(self.changes.iter().rev().map(|(before, _)| *before))
-    }
 }
 
 impl Frames {
@@ -132,7 +69,7 @@ impl Frames {
         Ok(Self {
             ordered: frames.into_iter().collect(),
             positions: Arc::new(positions),
-            state: State::new(),
+            version: FramesVersion::new(),
         })
     }
 
@@ -163,7 +100,7 @@ impl Frames {
 
     /// The frame at a position, mutable.
     pub fn get_mut(&mut self, position: usize) -> Option<&mut Shared<Frame>> {
-        self.state.record_change(position);
+        self.version.record_change(position);
         self.ordered.get_mut(position)
     }
 
@@ -188,7 +125,7 @@ impl Frames {
 
     /// Whether each frame is at the position that is known for its id.
     fn are_known(&self) -> bool {
-        *self.state.are_known.get_or_init(|| {
+        *self.version.are_known.get_or_init(|| {
             self.iter()
                 .enumerate()
                 .all(|(position, frame)| self.positions.get(&frame.id) == Some(&position))
@@ -227,7 +164,7 @@ impl Frames {
     /// The frames in their order, to change them.
     pub fn iter_mut(&mut self) -> IterMut<'_> {
         // Any frame may change, so there is nothing to remember.
-        self.state = State::new();
+        self.version = FramesVersion::new();
         self.ordered.iter_mut()
     }
 
@@ -258,7 +195,7 @@ impl Frames {
     /// Appends a frame; it gets a new id if its own is missing or taken.
     pub fn push(&mut self, frame: Shared<Frame>) {
         let frame = self.with_own_id(frame);
-        self.state = State::new();
+        self.version = FramesVersion::new();
         Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.ordered.len());
         self.ordered.push_back(frame);
     }
@@ -294,7 +231,7 @@ impl Frames {
     /// Removes and returns the last frame.
     pub fn pop(&mut self) -> Option<Shared<Frame>> {
         let last = self.ordered.pop_back()?;
-        self.state = State::new();
+        self.version = FramesVersion::new();
         Arc::make_mut(&mut self.positions).remove(&last.id);
         Some(last)
     }
@@ -323,7 +260,7 @@ impl Frames {
         }
         // Changes of the order forget all predecessors, so states with a common one have the same
         // frames at the same positions.
-        if let Some(changed) = self.state.possible_differences(&other.state) {
+        if let Some(changed) = self.version.possible_differences(&other.version) {
             differ.extend(
                 changed
                     .into_iter()
@@ -378,7 +315,7 @@ impl Frames {
     }
 
     fn order_changed(&mut self) {
-        self.state = State::new();
+        self.version = FramesVersion::new();
         let positions = self
             .ordered
             .iter()
@@ -414,7 +351,7 @@ impl Index<usize> for Frames {
 
 impl IndexMut<usize> for Frames {
     fn index_mut(&mut self, position: usize) -> &mut Shared<Frame> {
-        self.state.record_change(position);
+        self.version.record_change(position);
         &mut self.ordered[position]
     }
 }

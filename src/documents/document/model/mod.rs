@@ -15,6 +15,7 @@ pub mod frame;
 pub mod frame_id;
 pub mod frame_lens;
 pub mod frames;
+mod frames_version;
 pub mod imported_camera;
 pub mod mask;
 pub mod repeat;

@@ -1,6 +1,8 @@
 //! Interlaced frames: two fields, taken one after the other, in alternating rows. Where something
 //! moves, they form a comb.
 
+use super::VideoInfo;
+use super::player::Player;
 use crate::media::{Picture, grey_reduced};
 
 /// Minimum step of a comb, grey levels.
@@ -11,6 +13,8 @@ const LEAST_SHARE: f64 = 0.01;
 /// two progressive matches there are three times more within a field, and at least half as many in
 /// one where little moves.
 const OVER_DETAIL: f64 = 1.2;
+/// Heights of interlaced footage, px: 480i with and without its blanked lines, 576i, 1080i.
+const INTERLACED_HEIGHTS: [u32; 4] = [480, 486, 576, 1080];
 
 /// Whether a frame consists of two fields with motion between them. A frame without motion shows no
 /// comb.
@@ -41,6 +45,28 @@ pub(super) fn is_combed(picture: &Picture) -> bool {
 fn stands_out(above: i32, at: i32, below: i32) -> bool {
     let (up, down) = (at - above, at - below);
     up.min(down) > STEP || up.max(down) < -STEP
+}
+
+/// Whether the frames may be interlaced: such footage has one of a few heights.
+pub(super) fn may_be_interlaced(info: &VideoInfo) -> bool {
+    INTERLACED_HEIGHTS.contains(&info.size.height) && info.rotation_deg.is_multiple_of(180)
+}
+
+/// Number of interlaced frames among six in the middle of the video: at its beginning and end often
+/// nothing moves.
+pub(super) fn count_combed_in_middle(player: &mut Player, info: &VideoInfo) -> usize {
+    if !may_be_interlaced(info) {
+        return 0;
+    }
+    // Reading on is cheap, so one seek serves several frames.
+    let places = (info.decoded_frames / 2..info.decoded_frames)
+        .step_by(4)
+        .take(6);
+    let pictures = places.filter_map(|index| {
+        player.go_to(info, index).ok()?;
+        player.capture.picture(index).ok()
+    });
+    pictures.filter(is_combed).count()
 }
 
 /// Interpolates a picture from the first field: its rows stay, each row between is the mean of its

@@ -10,9 +10,11 @@ mod backend;
 mod capture;
 mod clock;
 mod comb;
+mod container;
 mod decode;
 mod ffmpeg;
 mod ffprobe;
+mod frame_times;
 mod known;
 #[cfg(feature = "opencv-videoio")]
 mod opencv_capture;
@@ -20,6 +22,8 @@ mod player;
 mod process;
 mod sample_table;
 mod survey;
+#[cfg(test)]
+mod times_only;
 
 pub use backend::VideoBackend;
 pub use clock::FrameClock;

@@ -189,3 +189,25 @@ fn damaged_frame_error(info: &VideoInfo, index: usize, reason: &str) -> MediaErr
         reason: reason.to_owned(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::times_only::{TimesOnly, info, player};
+    use super::*;
+
+    #[test]
+    fn a_reader_that_broke_down_is_started_again_by_the_next_access() {
+        let info = VideoInfo {
+            decoded_frames: 100,
+            ..info()
+        };
+        let mut capture = TimesOnly::new(0..100);
+        capture.breaks_at = Some(40);
+        let mut player = player(capture, 0);
+        player.go_to(&info, 30).unwrap();
+        assert!(player.go_to(&info, 45).is_err());
+        assert_eq!(player.position, None);
+        player.go_to(&info, 45).unwrap();
+        assert_eq!(player.position, Some(45));
+    }
+}

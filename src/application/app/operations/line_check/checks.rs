@@ -1,11 +1,8 @@
 //! The results of line checks, and which frame is checked next. Results count only for the camera
 //! and the field with which they were made.
 
+use super::batch::{CheckedLines, FrameToCheck, LineCheckBatch};
 use super::summary::LineCheckSummary;
-use super::{
-    BATCH, CONTRADICTED_ALONE, CheckedLines, FrameToCheck, LOOKED_THROUGH, LineCheckBatch,
-    SELECTED_LOOKED_THROUGH,
-};
 use crate::app::OpenProject;
 use crate::app::operation::Slot;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,19 +11,33 @@ use touchline_core::markings::LineVerdict;
 use touchline_documents::document::{Document, FieldSpec, Frame, FrameId, FrameStatus};
 use touchline_vision::paint::LineCheck;
 
+/// Maximum number of frames examined after an action to find those that lack a check, so that
+/// actions on a long match stay quick.
+const LOOKED_THROUGH: usize = 64;
+
+/// Selected frames that are looked through after each action: a person waits for them.
+const SELECTED_LOOKED_THROUGH: usize = 4096;
+
+/// Frames per batch; a batch takes about a second.
+const BATCH: usize = 4;
+
+/// If at least this many cameras are contradicted and none is supported, the lines in the pictures
+/// are not the field's, and contradictions say nothing about the cameras.
+pub(super) const CONTRADICTED_ALONE: usize = 4;
+
 /// The line checks of the open document.
 #[derive(Debug, Default)]
 pub(in crate::app) struct LineChecks {
     pub(super) slot: Slot<LineCheckBatch>,
-    pub(super) known: BTreeMap<FrameId, CheckedLines>,
+    known: BTreeMap<FrameId, CheckedLines>,
     /// The fields of the document for which they are known.
-    pub(super) fields: Vec<FieldSpec>,
+    fields: Vec<FieldSpec>,
     /// Numbers of known cameras that are contradicted and supported. Counted incrementally, because
     /// every thumbnail that is drawn needs them.
-    pub(super) contradicted: usize,
-    pub(super) supported: usize,
+    contradicted: usize,
+    supported: usize,
     /// The index at which the search for unchecked frames continues.
-    pub(super) cursor: usize,
+    cursor: usize,
     /// Frames that were accepted before their paint was looked at.
     pub(super) accepted_unchecked: BTreeSet<FrameId>,
 }
@@ -107,7 +118,7 @@ impl LineChecks {
         }
     }
 
-    pub(super) const fn is_informative(&self) -> bool {
+    const fn is_informative(&self) -> bool {
         self.contradicted < CONTRADICTED_ALONE || self.supported > 0
     }
 
@@ -197,5 +208,51 @@ impl LineChecks {
             camera,
             field,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{imported, line_check_of, report};
+    use super::*;
+
+    fn checked(frame: usize, score: f64) -> CheckedLines {
+        line_check_of(FrameId::from(frame.to_string().as_str()), score)
+    }
+
+    #[test]
+    fn the_selected_frames_are_checked_before_the_others() {
+        let mut app = imported(200);
+        report(&mut app, 0..1, 1.0);
+        let open = app.open.as_mut().unwrap();
+        let selected = BTreeSet::from([120, 121, 150, 160, 170]);
+        let next = app.operations.line_checks.next(open, 0, &selected);
+        let places: Vec<usize> = next.iter().map(|to_check| to_check.index).collect();
+        assert_eq!(places, [120, 121, 150, 160]);
+    }
+
+    #[test]
+    fn lines_that_contradict_every_camera_are_ignored_until_one_is_supported() {
+        let mut checks = LineChecks::default();
+        for frame in 0..CONTRADICTED_ALONE {
+            assert!(checks.is_informative(), "{frame}");
+            checks.keep(checked(frame, 0.0));
+        }
+        assert!(!checks.is_informative());
+        checks.keep(checked(0, 0.0));
+        assert!(!checks.is_informative(), "the same frame again");
+        checks.keep(checked(1, 1.0));
+        assert!(
+            checks.is_informative()
+                && (checks.contradicted, checks.supported) == (CONTRADICTED_ALONE - 1, 1)
+        );
+        checks.keep(CheckedLines {
+            check: None,
+            ..checked(1, 1.0)
+        });
+        assert_eq!(
+            (checks.contradicted, checks.supported),
+            (CONTRADICTED_ALONE - 1, 0)
+        );
     }
 }

@@ -1,0 +1,310 @@
+//! Autocalibration in the window: finds a camera from the pictures of its frames, without a click.
+//!
+//! The search ends in one of three ways: one camera, which is written into the document; two
+//! cameras that explain the paint about equally well, between which the user or one further click
+//! decides; or an abstention, with the reason and a remedy.
+
+mod two_cameras;
+mod words;
+
+use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operations::UnderWay;
+use crate::app::window_state::session::{Dialog, Level};
+use crate::app::{App, Command};
+use std::path::PathBuf;
+use std::sync::Arc;
+use touchline_calibration::autocalibrate::{
+    AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, find_camera,
+};
+use touchline_calibration::calibrate::{AutocalibratedCamera, BulkChange, FoundCamera};
+use touchline_calibration::pipelines::MatchOptions;
+use touchline_calibration::proposals::read_picture;
+use touchline_documents::document::{CameraId, Document, FrameId, Step, Target};
+pub use two_cameras::{DecidingClick, TwoCameras};
+pub use words::describe_found;
+use words::{clicks_that_help, describe_abstention};
+
+/// Minimum number of frames. Fewer hardly separate what is painted on the ground from what moves
+/// over it.
+const FEWEST: usize = 3;
+
+/// Finds the base of a camera from the pictures of its frames.
+#[derive(Debug)]
+pub struct CameraSearch {
+    /// The document when the search started.
+    pub document: Document,
+    /// The folder to which its relative paths refer.
+    pub folder: PathBuf,
+    /// The camera to be found.
+    pub camera: CameraId,
+}
+
+/// The search on the open document, and the outcome of the last one.
+#[derive(Debug, Default)]
+pub struct CameraSearchState {
+    slot: Slot<CameraSearch>,
+    /// What the last search left for the user to decide or to read.
+    pub left: SearchFollowUp,
+    /// The camera that was found last, for the panel's map.
+    pub found: Option<Arc<FoundCamera>>,
+}
+
+/// What a search leaves for the user to decide or to read.
+#[derive(Debug, Default)]
+pub enum SearchFollowUp {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// Two positions explain the paint; the user decides.
+    Two(Box<TwoCameras>),
+    /// No answer was certain enough.
+    Abstained {
+        /// The camera that was searched for.
+        camera: CameraId,
+        /// The reason, and what would help.
+        why: String,
+        /// The frame in which clicks would help most.
+        frame: Option<FrameId>,
+    },
+}
+
+impl Operation for CameraSearch {
+    type Progress = AutocalibrationProgress;
+    type Output = AutocalibrationAnswer;
+    type Error = AutocalibrationError;
+
+    const NAME: &'static str = "find the camera";
+
+    fn run(
+        &self,
+        context: &Context<'_, AutocalibrationProgress>,
+    ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
+        let mut reader = context.open_reader();
+        let mut picture = |index: usize| {
+            read_picture(&mut *reader, &self.document.frames[index], &self.folder).ok()
+        };
+        let at = self.document.at(&self.folder);
+        let sampled_frames = MatchOptions::default().sampled_frames;
+        find_camera(
+            at,
+            &self.camera,
+            sampled_frames,
+            &mut picture,
+            &context.progress(),
+        )
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.camera_search.slot
+    }
+
+    fn must_wait(app: &App) -> bool {
+        app.is_amid_change()
+    }
+
+    fn take_over(
+        &self,
+        app: &mut App,
+        result: Result<AutocalibrationAnswer, Failure<AutocalibrationError>>,
+    ) {
+        match result {
+            Ok(AutocalibrationAnswer::Found(found)) => {
+                app.camera_found(self.with_frame_ids(*found));
+            }
+            Ok(AutocalibrationAnswer::Two {
+                best,
+                other,
+                deciding,
+            }) => {
+                let two = TwoCameras::new(self, [*best, *other], deciding, |deciding| {
+                    app.label(&Target::Landmark(deciding.landmark.clone()))
+                });
+                app.ask_which_camera(two);
+            }
+            Ok(AutocalibrationAnswer::Abstained { why, clicks }) => {
+                let help = clicks_that_help(&why, clicks.as_ref(), &self.document, |landmark| {
+                    app.label(&Target::Landmark(landmark.clone()))
+                });
+                let why = describe_abstention(&why, &help);
+                app.session.notify(Level::Warning, why.clone());
+                app.operations.camera_search.left = SearchFollowUp::Abstained {
+                    camera: self.camera.clone(),
+                    why,
+                    frame: clicks.map(|clicks| self.document.frames[clicks.frame].id.clone()),
+                };
+            }
+            Err(failure) => {
+                let text = format!("The search for the camera failed: {failure}.");
+                app.session.notify(failure.level(), text);
+            }
+        }
+    }
+}
+
+impl CameraSearch {
+    /// Replaces frame indices in a found camera by ids, because frames may be added or removed
+    /// until the user decides.
+    fn with_frame_ids(&self, found: AutocalibratedCamera) -> Arc<FoundCamera> {
+        Arc::new(FoundCamera::new(&self.document, &self.camera, found))
+    }
+}
+
+impl App {
+    /// The camera that was found last, or of two the one that explains more paint.
+    #[must_use]
+    pub fn found_camera(&self) -> Option<Arc<FoundCamera>> {
+        self.operations.camera_search.found.clone()
+    }
+
+    /// Why a command of the search is not available. None if it is.
+    pub(in crate::app) fn why_not_camera_search(&self, command: Command) -> Option<&'static str> {
+        let CameraSearchState { slot, left, .. } = &self.operations.camera_search;
+        match command {
+            Command::FindCamera => self.why_not_find_camera(),
+            Command::StopFindCamera
+                if !slot.is_running() && matches!(left, SearchFollowUp::Nothing) =>
+            {
+                Some("No search for a camera is running.")
+            }
+            Command::TryFirstCamera | Command::TryOtherCamera
+                if !matches!(left, SearchFollowUp::Two(_)) =>
+            {
+                Some("There are no two cameras to choose from.")
+            }
+            _ => None,
+        }
+    }
+
+    /// Why no search can be started. None if it can.
+    fn why_not_find_camera(&self) -> Option<&'static str> {
+        let (open, camera) = (self.open.as_ref()?, self.camera_id()?);
+        if open.read_only.is_some() {
+            return Some("The document is read-only.");
+        }
+        if cfg!(not(feature = "opencv")) {
+            return Some("This program was built without OpenCV and cannot find features.");
+        }
+        if self.operations.camera_search.slot.is_running() {
+            return Some("A search for the camera is running.");
+        }
+        if self.current.base.is_some() {
+            return Some("This camera has a base already.");
+        }
+        let few = open
+            .document
+            .frames
+            .iter()
+            .filter(|frame| frame.camera == *camera)
+            .nth(FEWEST - 1)
+            .is_none();
+        few.then_some("The camera has too few frames: 3 or more that overlap are needed.")
+    }
+
+    /// Carries out a command of the search.
+    pub(in crate::app) fn camera_search_command(&mut self, command: Command) {
+        match command {
+            Command::FindCamera => self.find_camera(),
+            Command::StopFindCamera => self.stop_find_camera(),
+            Command::TryFirstCamera => self.try_camera(0),
+            Command::TryOtherCamera => self.try_camera(1),
+            _ => {}
+        }
+    }
+
+    /// Starts a search for the shown frame's camera.
+    fn find_camera(&mut self) {
+        self.commit_open_step();
+        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
+            return;
+        };
+        let (document, folder) = ((*open.document).clone(), open.folder.clone());
+        self.operations.camera_search.left = SearchFollowUp::Nothing;
+        self.start(CameraSearch {
+            document,
+            folder,
+            camera,
+        });
+    }
+
+    /// Stops the search, or dismisses its pending choice. The document does not change.
+    fn stop_find_camera(&mut self) {
+        self.operations.camera_search.left = SearchFollowUp::Nothing;
+        if self.operations.camera_search.slot.cancel() {
+            self.session.notify(
+                Level::Info,
+                "The search for the camera was stopped; nothing was changed.",
+            );
+        }
+    }
+
+    /// Uses a found camera, unless the camera has a base by now.
+    fn camera_found(&mut self, found: Arc<FoundCamera>) {
+        // The user may have given the camera a base while the search ran. That base takes
+        // precedence.
+        let has_base = self
+            .open
+            .as_ref()
+            .and_then(|open| open.document.camera(&found.camera)?.base())
+            .is_some();
+        if has_base {
+            let text = "The camera was found, but it was given a base in the meantime; the result was discarded.";
+            self.session.notify(Level::Info, text);
+            return;
+        }
+        self.use_found_camera(found);
+    }
+
+    /// Writes a found camera and the cameras of its frames into the document; one step of undo.
+    fn use_found_camera(&mut self, found: Arc<FoundCamera>) {
+        self.operations.camera_search.found = Some(Arc::clone(&found));
+        self.change_in_bulk(
+            Step::on_document("Find the camera"),
+            BulkChange::Autocalibrated(found),
+            |app, change| {
+                if let BulkChange::Autocalibrated(found) = change {
+                    app.tell_found_camera(found);
+                }
+            },
+        );
+    }
+
+    /// Reports a camera that was written into the document.
+    fn tell_found_camera(&mut self, found: &FoundCamera) {
+        self.session.retract(Command::FindCamera);
+        self.session.retract(Command::EstimateBase);
+        self.tell_assumed_size();
+        let offers = [("Review", Command::ReviewPanel), ("Undo", Command::Undo)];
+        self.session
+            .notify_with(Level::Info, describe_found(&found.found), offers);
+        // What the user is doing in another dialog, and the choice between two cameras, come first;
+        // the message remains.
+        let is_choosing = matches!(self.operations.camera_search.left, SearchFollowUp::Two(_));
+        if self.session.dialog.is_none() && !is_choosing {
+            self.session.dialog = Some(Dialog::FoundCamera);
+        }
+    }
+}
+
+impl CameraSearchState {
+    /// The running search with its progress, for the status row.
+    #[must_use]
+    pub fn under_way(&self) -> Option<UnderWay> {
+        let progress = self.slot.running()?.progress();
+        let far = progress
+            .map(|progress| format!(": {progress}"))
+            .unwrap_or_default();
+        let text = format!("Finding the camera{far}…");
+        let share = progress.map(|progress| progress.share_of_step() as f32);
+        Some(UnderWay {
+            text,
+            share,
+            stop: Command::StopFindCamera,
+        })
+    }
+
+    /// The inputs of the running search.
+    #[must_use]
+    pub fn running(&self) -> Option<&CameraSearch> {
+        self.slot.running().map(Running::operation)
+    }
+}

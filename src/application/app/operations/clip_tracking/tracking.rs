@@ -1,0 +1,158 @@
+//! The tracking of cameras through one clip, as work: its input, why it is done, and its outcome.
+//! What becomes of the outcome in the document is in `suggestions.rs`.
+
+use crate::app::App;
+use crate::app::operation::{Context, Failure, Operation, Slot};
+use std::path::PathBuf;
+use std::sync::Arc;
+use thiserror::Error;
+use touchline_calibration::calibrate::{
+    ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip,
+    TrackedFrame, clip_of_frame, take_doubtful_stretch, track_clip,
+};
+use touchline_core::field::{FieldError, FieldModel};
+use touchline_documents::document::Document;
+
+/// Tracks cameras through a clip.
+pub struct ClipTracking {
+    pub(super) document: Document,
+    /// The folder to which its relative paths refer.
+    pub(super) folder: PathBuf,
+    /// The index of one frame of the clip.
+    pub(super) frame: usize,
+    /// The field that the clip shows.
+    pub(super) field: Arc<FieldModel>,
+    /// Points and paint found in the pictures by an earlier run; empty the first time.
+    pub(super) evidence: Arc<ClipEvidence>,
+    /// Why the clip is tracked.
+    pub(super) cause: Cause,
+}
+
+/// Why a clip is tracked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cause {
+    /// The user started it, or the base was just refined on the clip.
+    Command,
+    /// The clip was tracked before, and the user corrected one of its frames.
+    Correction,
+    /// The user corrects a suggestion by dragging a point, a drawn line or a landmark: only the
+    /// doubtful frames around it are tracked.
+    Drag,
+}
+
+/// The tracked cameras.
+pub struct TrackingOutcome {
+    pub(super) tracked: TrackedClip,
+    /// Points and paint found in the pictures, for use after a correction.
+    pub(super) evidence: Arc<ClipEvidence>,
+    /// Another length of the field, if the painted lines of the tracked frames require one.
+    pub(super) length: Result<Option<LengthOnLines>, FieldError>,
+}
+
+/// Why a clip could not be tracked.
+#[derive(Debug, Error)]
+pub enum ClipTrackingError {
+    /// The frame has no picture.
+    #[error("the frame has no picture")]
+    NoPicture,
+    /// No frame around the dragged one is in doubt.
+    #[error("no frame beside it is in doubt")]
+    NothingDoubtful,
+    /// The clip cannot be tracked: no base, no known camera, or a picture that cannot be read.
+    #[error(transparent)]
+    Track(#[from] TrackClipError),
+}
+
+impl Operation for ClipTracking {
+    type Progress = ClipProgress;
+    type Output = TrackingOutcome;
+    type Error = ClipTrackingError;
+
+    const NAME: &'static str = "track cameras";
+
+    fn run(
+        &self,
+        context: &Context<'_, ClipProgress>,
+    ) -> Result<TrackingOutcome, ClipTrackingError> {
+        let mut reader = context.open_reader();
+        let mut document = self.document.clone();
+        let mut clip = clip_of_frame(document.at(&self.folder), self.frame)
+            .ok_or(ClipTrackingError::NoPicture)?;
+        if self.cause == Cause::Drag {
+            clip = take_doubtful_stretch(&mut document, &clip, self.frame)
+                .ok_or(ClipTrackingError::NothingDoubtful)?;
+        }
+        let (at, options) = (document.at(&self.folder), TrackClipOptions::default());
+        let mut evidence = (*self.evidence).clone();
+        let progress = context.progress();
+        let tracked = track_clip(
+            at,
+            &clip,
+            &self.field,
+            &mut *reader,
+            &options,
+            &mut evidence,
+            &progress,
+        )?;
+        // After a correction the length is not measured again.
+        let length = if self.is_again() {
+            Ok(None)
+        } else {
+            self.measure_length(&tracked, &mut *reader)
+        };
+        Ok(TrackingOutcome {
+            tracked,
+            evidence: evidence.into(),
+            length,
+        })
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.clip_tracking.slot
+    }
+
+    fn must_wait(app: &App) -> bool {
+        app.is_amid_change()
+    }
+
+    fn take_over(
+        &self,
+        app: &mut App,
+        result: Result<TrackingOutcome, Failure<ClipTrackingError>>,
+    ) {
+        match result {
+            Ok(outcome) => app.take_tracked_clip(self, outcome),
+            Err(Failure::Failed(ClipTrackingError::NothingDoubtful)) => {}
+            Err(failure) => app.session.notify(
+                failure.level(),
+                format!("No cameras were tracked: {failure}."),
+            ),
+        }
+    }
+}
+
+impl ClipTracking {
+    /// Whether the clip, or a part of it, follows a correction.
+    pub(super) fn is_again(&self) -> bool {
+        matches!(self.cause, Cause::Correction | Cause::Drag)
+    }
+
+    /// The part of a tracked clip that still applies to the document `now`. Frames are found by
+    /// their ids; frames that users have changed since are left out.
+    pub(super) fn still_open_in(&self, now: &Document, tracked: TrackedClip) -> TrackedClip {
+        // `of.place` is a position in the document that was tracked.
+        let frames = tracked.frames.iter().filter_map(|of| {
+            let then = self.document.frames.get(of.place)?;
+            let place = now.frames.position_of(&then.id)?;
+            now.frames[place].is_open().then(|| TrackedFrame {
+                place,
+                ..of.clone()
+            })
+        });
+        TrackedClip {
+            frames: frames.collect(),
+            references: Vec::new(),
+            ..tracked
+        }
+    }
+}

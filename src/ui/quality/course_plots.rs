@@ -1,0 +1,394 @@
+//! The plots of pan, tilt and focal length, one above the other.
+//!
+//! They share one time axis, of frame numbers or of the video's time in s, and one visible part of
+//! it (the span). All horizontal coordinates are in the unit of this axis; pan and tilt are in
+//! degrees, focal lengths in px. A click on a point shows its frame, and the wheel zooms the axis.
+
+use super::legend;
+use super::time::time_ticks;
+use crate::ui::Panel;
+use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::plot::Plot;
+use egui::{
+    CornerRadius, CursorIcon, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
+};
+use touchline_application::app::quality::{
+    Course, CoursePoint, PointKind, Quantity, SpanMarks, thin_points, within_whole, zoom_span,
+};
+use touchline_application::app::{Action, ViewAction};
+use touchline_core::geometry::Angle;
+use touchline_documents::report::figure::Ruler;
+
+/// Height of one plot: the minimum in points, and the share of the page's width above it.
+const HEIGHT: f32 = 76.0;
+const HEIGHT_SHARE: f32 = 0.058;
+/// Room for the numbers to the left of the plots and below the last one, points.
+const NUMBERS: f32 = 44.0;
+const BELOW: f32 = 16.0;
+/// Room to the right of the plots for half of the last number below them, points.
+const NUMBERS_END: f32 = 18.0;
+/// Room above each plot for half a number, points.
+const BETWEEN: f32 = 10.0;
+/// Width of a column in a plot with many points, points of the screen.
+const COLUMN: f32 = 2.0;
+/// Distance within which the pointer picks a point, points of the screen.
+const REACH: f32 = 14.0;
+/// Maximum number of frames that are ringed.
+const RINGED: usize = 300;
+/// Average width of shots below which no lines are drawn between them, points.
+const NARROW: f32 = 5.0;
+/// Outliers stretch a scale to at most this multiple of the range of all other frames.
+const STRETCH: f64 = 2.5;
+
+/// The three plots, one above the other, over the same span of the time axis.
+pub(super) struct CoursePlots {
+    plots: [Plot; 3],
+    rulers: [Ruler; 3],
+    rect: Rect,
+    response: Response,
+    span: [f64; 2],
+}
+
+impl CoursePlots {
+    /// Allocates the space and chooses the scales. The vertical scales fit what is visible, not the
+    /// whole.
+    pub(super) fn new(ui: &mut Ui, course: &Course, span: [f64; 2]) -> Self {
+        let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
+        let size = vec2(ui.available_width(), 3.0 * (height + BETWEEN) + BELOW);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        // About one tick for each 26 points of height.
+        let mut rulers = Quantity::ALL
+            .map(|quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0)));
+        name_directions(&mut rulers[Quantity::Pan as usize]);
+        let plots = [0, 1, 2].map(|place| {
+            let top = rect.top() + BETWEEN + place as f32 * (height + BETWEEN);
+            let area = Rect::from_min_max(
+                pos2(rect.left() + NUMBERS, top),
+                pos2(rect.right() - NUMBERS_END, top + height),
+            );
+            Plot {
+                area,
+                x: span,
+                y: rulers[place].range(),
+            }
+        });
+        Self {
+            plots,
+            rulers,
+            rect,
+            response,
+            span,
+        }
+    }
+
+    /// Draws the plots, reads the pointer and returns the point under it.
+    pub(super) fn show<'a>(
+        &self,
+        panel: &mut Panel<'_>,
+        ui: &Ui,
+        course: &'a Course,
+        whole: [f64; 2],
+    ) -> Option<&'a CoursePoint> {
+        let description = describe(course);
+        self.response
+            .widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &description));
+        let under = self
+            .response
+            .hover_pos()
+            .and_then(|pointer| self.nearest(course, pointer));
+        if ui.is_rect_visible(self.rect) {
+            self.paint(panel, ui, course, under);
+        }
+        self.read_pointer(panel, ui, under, whole);
+        under
+    }
+
+    /// Draws the plots from back to front: levels, ends of shots, the shown frame, the curve,
+    /// rings, the point under the pointer.
+    fn paint(&self, panel: &Panel<'_>, ui: &Ui, course: &Course, under: Option<&CoursePoint>) {
+        let painter = ui.painter_at(self.rect);
+        let shown = course
+            .at_of(panel.app.session.frame)
+            .filter(|at| (self.span[0]..=self.span[1]).contains(at));
+        // Each plot by itself; the vertical lines go through all three.
+        for ((plot, ruler), quantity) in self.plots.iter().zip(&self.rulers).zip(Quantity::ALL) {
+            painter.rect_filled(plot.area, CornerRadius::same(3), ui.palette().backdrop);
+            plot.levels(&painter, ruler);
+            cuts(&painter, plot, course);
+            if let Some(at) = shown {
+                painter.vline(
+                    plot.x_of(at),
+                    plot.area.y_range(),
+                    Stroke::new(1.0, ui.palette().accent),
+                );
+            }
+            if let Some(point) = under {
+                painter.vline(
+                    plot.x_of(point.at),
+                    plot.area.y_range(),
+                    Stroke::new(1.0, ui.palette().weak),
+                );
+            }
+            curve(&painter, plot, course.within(self.span), quantity);
+            let out = course
+                .standing_out
+                .iter()
+                .map(|&place| &course.points[place])
+                .filter(|point| (self.span[0]..=self.span[1]).contains(&point.at));
+            for point in out.take(RINGED) {
+                let at = plot.at(point.at, point.value(quantity));
+                legend::mark(&painter, at, point.kind);
+                legend::ring(&painter, at);
+            }
+            if let Some(point) = under {
+                let at = plot.at(point.at, point.value(quantity));
+                painter.circle_stroke(at, 5.0, Stroke::new(1.5, ui.palette().strong));
+            }
+            plot.caption(&painter, quantity.label());
+        }
+        // The numbers of the time axis, below the last plot only.
+        let ticks = time_ticks(course.axis, self.span, f64::from(self.rect.width() / 110.0));
+        self.plots[2].steps(
+            &painter,
+            ticks.iter().map(|(at, words)| (*at, words.as_str())),
+        );
+    }
+
+    /// The point nearest to the pointer on the screen, in the plot that the pointer is in. Only
+    /// points within [`REACH`] in time are candidates.
+    fn nearest<'a>(&self, course: &'a Course, pointer: Pos2) -> Option<&'a CoursePoint> {
+        // The gap below a plot belongs to it. Points are sorted by time, so the candidates are a
+        // slice.
+        let place = self
+            .plots
+            .iter()
+            .position(|plot| pointer.y <= plot.area.bottom() + BETWEEN)?;
+        let (plot, quantity) = (&self.plots[place], Quantity::ALL[place]);
+        let near = course.within([plot.x_at(pointer.x - REACH), plot.x_at(pointer.x + REACH)]);
+        let distance = |point: &CoursePoint| {
+            plot.at(point.at, point.value(quantity))
+                .distance_sq(pointer)
+        };
+        near.iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// A click shows the frame. Ctrl with the wheel, or pinching, zooms the time axis around the
+    /// pointer; dragging, or Shift with the wheel, moves it.
+    fn read_pointer(
+        &self,
+        panel: &mut Panel<'_>,
+        ui: &Ui,
+        under: Option<&CoursePoint>,
+        whole: [f64; 2],
+    ) {
+        let is_part = self.span != whole;
+        if let Some(point) = under.filter(|_| self.response.clicked()) {
+            panel.look_at(point.frame, None);
+        }
+        // Units of the axis for one point of the screen.
+        let per_point =
+            (self.span[1] - self.span[0]) / f64::from(self.plots[0].area.width().max(1.0));
+        let (mut moved, mut factor) = (f64::from(self.response.drag_delta().x), 1.0);
+        if let Some(pointer) = self.response.hover_pos() {
+            let (zoom, scrolled) =
+                ui.input(|input| (input.zoom_delta(), input.smooth_scroll_delta().x));
+            (factor, moved) = (f64::from(zoom), moved + f64::from(scrolled));
+            if factor != 1.0 {
+                let around = self.plots[0].x_at(pointer.x);
+                panel
+                    .actions
+                    .push(Action::View(ViewAction::ShowSpan(zoom_span(
+                        self.span, whole, around, factor,
+                    ))));
+            }
+            let icon = match under {
+                _ if self.response.dragged() && is_part => CursorIcon::Grabbing,
+                Some(_) => CursorIcon::PointingHand,
+                None => CursorIcon::Default,
+            };
+            ui.ctx().set_cursor_icon(icon);
+        }
+        // If one frame of the window brings both, only the zoom counts.
+        if moved != 0.0 && factor == 1.0 && is_part {
+            let by = moved * per_point;
+            let span = within_whole([self.span[0] - by, self.span[1] - by], whole);
+            panel.actions.push(Action::View(ViewAction::ShowSpan(span)));
+        }
+    }
+}
+
+/// The description for a screen reader.
+fn describe(course: &Course) -> String {
+    let counts = PointKind::ALL
+        .map(|kind| (kind, course.count(kind)))
+        .into_iter()
+        .rev()
+        .filter(|(_, count)| *count > 0);
+    let counts: Vec<String> = counts
+        .map(|(kind, count)| legend::describe_count(kind, count))
+        .collect();
+    format!(
+        "Pan, tilt and focal length over time: {}",
+        counts.join(", ")
+    )
+}
+
+/// Wraps the labels of pans beyond ±180° to directions. The curve itself is unwrapped, so that it
+/// has no jump there.
+fn name_directions(ruler: &mut Ruler) {
+    for (pan_deg, words) in ruler
+        .ticks
+        .iter_mut()
+        .filter(|(pan_deg, _)| pan_deg.abs() > 180.0)
+    {
+        // As many decimals as the ruler gave the label, which depend on the distance of the ticks.
+        let decimals = words
+            .split_once('.')
+            .map_or(0, |(_, decimals)| decimals.len());
+        *words = format!(
+            "{:.decimals$}",
+            Angle::from_degrees(*pan_deg).wrap().degrees()
+        );
+    }
+}
+
+/// The range of values within a span, `[min, max]`. Outliers are included only as far as the other
+/// frames remain distinguishable.
+fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    let points = course.within(span);
+    let all = points
+        .iter()
+        .map(|point| point.value(quantity))
+        .fold(none, extend_range);
+    let usual = points
+        .iter()
+        .filter(|point| !point.stands_out)
+        .map(|point| point.value(quantity))
+        .fold(none, extend_range);
+    // An empty range is infinitely negative: then `length` is not finite. The room for outliers is
+    // the same on both sides, so that the scale is at most STRETCH times what the others need.
+    let (needed, length) = (usual[1] - usual[0], all[1] - all[0]);
+    match () {
+        () if !length.is_finite() => [0.0, 1.0],
+        () if needed > 0.0 && length > STRETCH * needed => {
+            let room = 0.5 * (STRETCH - 1.0) * needed;
+            [all[0].max(usual[0] - room), all[1].min(usual[1] + room)]
+        }
+        () => all,
+    }
+}
+
+/// The smallest range, `[min, max]`, that contains a range and a value.
+fn extend_range(range: [f64; 2], value: f64) -> [f64; 2] {
+    [range[0].min(value), range[1].max(value)]
+}
+
+/// Draws a dashed line where a shot ends, unless the shots are too narrow.
+fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
+    // Cuts are sorted, so those in view are found by binary search.
+    let from = course.cuts.partition_point(|at| *at < plot.x[0]);
+    let upto = course.cuts.partition_point(|at| *at <= plot.x[1]);
+    let inside = &course.cuts[from..upto.max(from)];
+    if inside.len() as f32 * NARROW > plot.area.width() {
+        return;
+    }
+    for at in inside {
+        let [top, bottom] = [plot.area.top(), plot.area.bottom()].map(|y| pos2(plot.x_of(*at), y));
+        painter.extend(Shape::dashed_line(
+            &[top, bottom],
+            Stroke::new(1.0, painter.palette().weak),
+            2.0,
+            3.0,
+        ));
+    }
+}
+
+/// Draws the points of a span: single points, joined within a shot, or columns from minimum to
+/// maximum where there are many.
+fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
+    let at = |point: &CoursePoint| plot.at(point.at, point.value(quantity));
+    // The application decides between points and columns by the number of points in view.
+    match thin_points(
+        points,
+        quantity,
+        plot.x,
+        (plot.area.width() / COLUMN) as usize,
+    ) {
+        SpanMarks::Points(points) => {
+            for shot in points.chunk_by(|a, b| a.shot == b.shot) {
+                painter.line(
+                    shot.iter().map(at).collect(),
+                    Stroke::new(1.0, painter.palette().weak.gamma_multiply(0.6)),
+                );
+            }
+            // One kind after the other, so that references lie above the many suggestions.
+            for kind in PointKind::ALL {
+                for point in points.iter().filter(|point| point.kind == kind) {
+                    legend::mark(painter, at(point), kind);
+                }
+            }
+        }
+        SpanMarks::Columns(columns) => {
+            for column in columns {
+                let left = plot.area.left() + column.column as f32 * COLUMN;
+                let (top, bottom) = (plot.y_of(column.high) - 1.0, plot.y_of(column.low) + 1.0);
+                let bar = Rect::from_min_max(pos2(left, top), pos2(left + COLUMN, bottom));
+                painter.rect_filled(bar, 0.0, legend::colour(painter.palette(), column.kind));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pans_beyond_the_seam_are_named_as_directions() {
+        let mut ruler = Ruler::around([171.0, 189.0], 4.0);
+        name_directions(&mut ruler);
+        let words: Vec<&str> = ruler
+            .ticks
+            .iter()
+            .map(|(_, words)| words.as_str())
+            .collect();
+        assert_eq!(words, ["170", "175", "180", "-175", "-170"]);
+    }
+
+    #[test]
+    fn a_frame_far_off_stretches_a_scale_only_so_far() {
+        let point = |at: f64, pan: f64, stands_out| CoursePoint {
+            frame: at as usize,
+            at,
+            values: [pan, 0.0, 1000.0],
+            kind: PointKind::Suggested,
+            shot: 0,
+            apart_px: None,
+            stands_out,
+        };
+        let points = vec![
+            point(1.0, 0.0, false),
+            point(2.0, 170.0, true),
+            point(3.0, 4.0, false),
+        ];
+        let mut course = Course {
+            points,
+            ..Course::default()
+        };
+        assert_eq!(scale(&course, Quantity::Pan, [1.0, 3.0]), [0.0, 7.0]);
+        course.points[1].values[0] = 6.0;
+        assert_eq!(scale(&course, Quantity::Pan, [1.0, 3.0]), [0.0, 6.0]);
+        assert_eq!(
+            scale(&course, Quantity::Focal, [1.0, 3.0]),
+            [1000.0, 1000.0]
+        );
+        assert_eq!(
+            scale(&course, Quantity::Pan, [5.0, 6.0]),
+            [0.0, 1.0],
+            "nothing is there"
+        );
+    }
+}
