@@ -214,12 +214,21 @@ mod tests {
         picture: PictureOfFrame<'_>,
         progress: &Progress<'_, AutocalibrationProgress>,
     ) -> Result<Option<Hypothesis>, Stop> {
+        refine_on(hypothesis, false, picture, progress)
+    }
+
+    fn refine_on(
+        hypothesis: &Hypothesis,
+        is_size_unknown: bool,
+        picture: PictureOfFrame<'_>,
+        progress: &Progress<'_, AutocalibrationProgress>,
+    ) -> Result<Option<Hypothesis>, Stop> {
         let (document, camera) = (document(), "main".into());
         let document = document.at(Path::new(""));
         let searched = SearchedCamera {
             document,
             camera: &camera,
-            is_size_unknown: false,
+            is_size_unknown,
         };
         refine_base(
             hypothesis,
@@ -231,17 +240,16 @@ mod tests {
         )
     }
 
-    fn drawn_pictures() -> Vec<Picture> {
-        let field = soccer().assumed;
+    fn drawn_pictures(field: &FieldModel) -> Vec<Picture> {
         ptz()
             .into_par_iter()
-            .map(|ptz| draw_picture(&field, ptz))
+            .map(|ptz| draw_picture(field, ptz))
             .collect()
     }
 
     #[test]
     fn a_base_beside_its_place_is_brought_onto_the_paint() {
-        let (from, pictures) = (beside(), drawn_pictures());
+        let (from, pictures) = (beside(), drawn_pictures(&soccer().assumed));
         let mut indices_read = Vec::new();
         let mut picture = |index: usize| {
             indices_read.push(index);
@@ -283,6 +291,25 @@ mod tests {
             refined.camera.field.length_m, from.camera.field.length_m,
             "the size is known"
         );
+    }
+
+    /// The near touchline lies 27 px beside where the assumed field has it, too far to be found. The
+    /// far one, 2 px off, gives a width of which the near one is found.
+    #[test]
+    fn a_width_is_fitted_until_both_touchlines_are_found() {
+        let prior = soccer();
+        let pictures = drawn_pictures(&prior.with_lengths(&[105.0, 65.0]).unwrap());
+        let mut picture = |index: usize| pictures.get(index - 10).cloned();
+        let from = hypothesis(&prior.assumed);
+        let refined = refine_on(&from, true, &mut picture, &Progress::default());
+        let refined = refined.ok().flatten().unwrap();
+        let [length, width] = refined.camera.sizes.as_slice() else {
+            panic!("{:?}", refined.camera.sizes);
+        };
+        assert!((length.value_m - 105.0).abs() < 0.1, "{length:?}");
+        assert!((width.value_m - 65.0).abs() < 0.1, "{width:?}");
+        let off_m = (refined.position_m() - base().position_m).norm();
+        assert!(off_m < 0.15, "{off_m:.3} m");
     }
 
     #[test]

@@ -30,9 +30,9 @@ const MIN_MEAN_CHECK: f64 = 0.75;
 const MIN_SEEN_IN_MEAN: f64 = 0.75;
 const MIN_LINES_IN_MEAN: usize = 6;
 
-/// The same before the base is refined: a position that is nearly right is still brought onto its
-/// lines.
-pub const MIN_ALIGNED_BEFORE_REFINING: f64 = 0.5;
+/// The same before the base is refined, of the frames that it was found from: a position that is
+/// nearly right is still brought onto its lines.
+const MIN_ALIGNED_BEFORE_REFINING: f64 = 0.5;
 
 /// A camera at an unusual place has to explain this share of the paint, more than one at the usual
 /// place. On a pitch with a second, smaller one painted across it, a camera behind a goal of the
@@ -56,8 +56,14 @@ const CONTRADICTING_PX: f64 = 25.0;
 const CONFIRMING_PX: f64 = 15.0;
 
 /// Two clicks confirm a camera if their landmarks are at least this far apart, m. One end of a field
-/// can lie on its paint while the other does not.
+/// can lie on its paint while the other does not …
 const CONFIRMING_APART_M: f64 = 20.0;
+
+/// … and if at least this number of lines is seen in the mean of all frames. Fewer leave the rest
+/// of the field open, of which clicks on two places say little: a camera on a low mast, 1.7 m off on
+/// a field 2.2 m too short, had both clicks on their landmarks and three lines in the mean (drawn
+/// clip 9 of the bowl); right ones had five and eight.
+pub const MIN_LINES_WITH_CLICKS: usize = 5;
 
 /// Abstains, with the reasons to reject the best candidate.
 pub fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop {
@@ -68,9 +74,20 @@ pub fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop {
     .into()
 }
 
-/// The share of aligned frames among those that show enough paint.
-fn aligned_share(camera: &AutocalibratedCamera) -> f64 {
-    camera.aligned_frame_count() as f64 / camera.evidence.frames.max(1) as f64
+/// The number of frames whose agreement with the camera counts: those whose picture was compared
+/// with it, and those that it was found from. A search leaves out frames with little paint on their
+/// lines, and of a wrong camera these are the ones that contradict it.
+fn num_compared(camera: &AutocalibratedCamera) -> usize {
+    let scores = camera
+        .frames
+        .iter()
+        .filter_map(AutocalibratedFrame::line_check_score);
+    scores.count().max(camera.evidence.frames)
+}
+
+/// The share of aligned frames, of a number of frames.
+fn aligned_share(camera: &AutocalibratedCamera, of: usize) -> f64 {
+    camera.aligned_frame_count() as f64 / of.max(1) as f64
 }
 
 /// Whether the frames together confirm a camera with which too few of them agree one by one.
@@ -79,7 +96,7 @@ pub fn is_confirmed_in_mean(camera: &AutocalibratedCamera, lines: &LinesInMean) 
         .frames
         .iter()
         .filter_map(AutocalibratedFrame::line_check_score);
-    let mean_check = scores.sum::<f64>() / camera.evidence.frames.max(1) as f64;
+    let mean_check = scores.sum::<f64>() / num_compared(camera).max(1) as f64;
     let num_lines = lines.seen.len() + lines.absent.len();
     mean_check >= MIN_MEAN_CHECK
         && num_lines >= MIN_LINES_IN_MEAN
@@ -88,13 +105,23 @@ pub fn is_confirmed_in_mean(camera: &AutocalibratedCamera, lines: &LinesInMean) 
 
 /// The reason to reject a camera with which too small a share of its frames agrees.
 pub fn few_aligned(camera: &AutocalibratedCamera, min_share: f64) -> Option<Doubt> {
-    let (snapped, frames) = (camera.aligned_frame_count(), camera.evidence.frames);
-    (aligned_share(camera) < min_share).then_some(Doubt::FewSnapped { snapped, frames })
+    few_aligned_of(camera, num_compared(camera), min_share)
+}
+
+/// The same before the base is refined, when a camera that is nearly right is beside the lines of
+/// frames that it was not found from.
+pub fn few_aligned_before_refining(camera: &AutocalibratedCamera) -> Option<Doubt> {
+    few_aligned_of(camera, camera.evidence.frames, MIN_ALIGNED_BEFORE_REFINING)
+}
+
+fn few_aligned_of(camera: &AutocalibratedCamera, frames: usize, min_share: f64) -> Option<Doubt> {
+    let snapped = camera.aligned_frame_count();
+    (aligned_share(camera, frames) < min_share).then_some(Doubt::FewSnapped { snapped, frames })
 }
 
 /// Whether the frames' own pictures contradict a runner-up.
 pub fn is_refuted(runner_up: &AutocalibratedCamera) -> bool {
-    aligned_share(runner_up) <= MAX_ALIGNED_OF_RUNNER_UP
+    aligned_share(runner_up, runner_up.evidence.frames) <= MAX_ALIGNED_OF_RUNNER_UP
 }
 
 /// The reason to reject a camera whose frames do not determine the size of the field: the lines
@@ -223,6 +250,19 @@ mod tests {
         );
         assert_eq!(few_aligned(&camera, 0.0), None);
         assert!(is_refuted(&camera));
+    }
+
+    /// Frames that the search left out count where their pictures contradict the camera.
+    #[test]
+    fn frames_that_the_camera_was_not_found_from_count_once_it_is_refined() {
+        let mut camera = hypothesis(&soccer().assumed).camera;
+        camera.evidence.frames = 3;
+        for frame in &mut camera.frames {
+            frame.unaligned_score = Some(0.1);
+        }
+        let few = |frames: usize| Some(Doubt::FewSnapped { snapped: 0, frames });
+        assert_eq!(few_aligned_before_refining(&camera), few(3));
+        assert_eq!(few_aligned(&camera, MIN_ALIGNED), few(7));
     }
 
     #[test]

@@ -5,9 +5,9 @@
 //! has to pass the checks of `checks.rs`.
 
 use super::checks::{
-    MIN_ALIGNED, MIN_ALIGNED_BEFORE_REFINING, MIN_ALIGNED_WITH_RUNNER_UP, contradicting_click,
-    few_aligned, is_confirmed_by_clicks, is_confirmed_in_mean, is_refuted, missing_in_frames,
-    open_size, uncertain, unusual_size,
+    MIN_ALIGNED, MIN_ALIGNED_WITH_RUNNER_UP, MIN_LINES_WITH_CLICKS, contradicting_click,
+    few_aligned, few_aligned_before_refining, is_confirmed_by_clicks, is_confirmed_in_mean,
+    is_refuted, missing_in_frames, open_size, uncertain, unusual_size,
 };
 use super::deciding_landmark::deciding_landmark;
 use super::faint_lines::{LinesInMean, find_lines_in_mean};
@@ -74,10 +74,7 @@ impl Decision<'_> {
         }
         let is_doubted = !doubts.is_empty();
         let best = align_frames(best, self.matched, self.picture, self.progress)?;
-        match (
-            runner_up,
-            self.few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING),
-        ) {
+        match (runner_up, self.few_aligned_before_refining(&best.camera)) {
             (Some(runner_up), _) => self.decide_between(best, runner_up, is_doubted),
             (None, Some(doubt)) => Err(uncertain(vec![doubt], best.camera)),
             (None, None) => self.refine_and_judge(&best, MIN_ALIGNED),
@@ -100,10 +97,10 @@ impl Decision<'_> {
         // the two change places, unless some evidence contradicts either, or too few agree with the
         // runner-up as well: then there is no answer.
         let is_misaligned = |hypothesis: &Hypothesis| {
-            self.few_aligned(&hypothesis.camera, MIN_ALIGNED_BEFORE_REFINING)
+            self.few_aligned_before_refining(&hypothesis.camera)
                 .is_some()
         };
-        let [best, runner_up] = match self.few_aligned(&best.camera, MIN_ALIGNED_BEFORE_REFINING) {
+        let [best, runner_up] = match self.few_aligned_before_refining(&best.camera) {
             Some(doubt) if is_doubted || is_misaligned(&runner_up) => {
                 return Err(uncertain(vec![doubt], best.camera));
             }
@@ -232,13 +229,15 @@ impl Decision<'_> {
         contradicting_click(camera, self.clicks, &self.searched.document.frames)
     }
 
-    /// The reason to reject a camera with which too small a share of its frames agrees. None if
-    /// clicks that played no part in finding the camera confirm it.
-    fn few_aligned(&self, camera: &AutocalibratedCamera, min_share: f64) -> Option<Doubt> {
+    /// Whether clicks that played no part in finding a camera confirm it.
+    fn is_confirmed_by_clicks(&self, camera: &AutocalibratedCamera) -> bool {
         let frames = &self.searched.document.frames;
-        few_aligned(camera, min_share).filter(|_| {
-            !(self.is_found_without_clicks && is_confirmed_by_clicks(camera, self.clicks, frames))
-        })
+        self.is_found_without_clicks && is_confirmed_by_clicks(camera, self.clicks, frames)
+    }
+
+    /// The reason to reject a camera before its base is refined. None if clicks confirm it.
+    fn few_aligned_before_refining(&self, camera: &AutocalibratedCamera) -> Option<Doubt> {
+        few_aligned_before_refining(camera).filter(|_| !self.is_confirmed_by_clicks(camera))
     }
 
     /// Returns the camera as the answer if enough frames agree with it, no line is missing and no
@@ -257,14 +256,17 @@ impl Decision<'_> {
         }
         // Three checks at full resolution and one of the field; the first that fails is reported.
         // What single pictures do not confirm, clicks or the mean of all pictures may.
-        let few = self.few_aligned(&camera, min_aligned);
+        let few = few_aligned(&camera, min_aligned);
         let mut missing = missing_in_frames(&camera, self.matched);
         let in_mean = if few.is_some() || !missing.is_empty() {
             find_lines_in_mean(&camera, self.matched, self.picture)
         } else {
             LinesInMean::default()
         };
-        let few = few.filter(|_| !is_confirmed_in_mean(&camera, &in_mean));
+        let is_confirmed = is_confirmed_in_mean(&camera, &in_mean)
+            || (in_mean.seen.len() >= MIN_LINES_WITH_CLICKS
+                && self.is_confirmed_by_clicks(&camera));
+        let few = few.filter(|_| !is_confirmed);
         missing.retain(|line| !in_mean.seen.contains(line));
         camera.evidence.missing = labels(&camera.field, &missing);
         let lines = &camera.evidence.missing;

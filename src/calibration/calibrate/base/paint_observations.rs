@@ -64,12 +64,12 @@ pub(crate) struct KnownCameras {
 
 impl KnownCameras {
     /// The problem's field with the crown of these cameras.
-    pub fn field(&self, problem: &BaseProblem) -> FieldModel {
+    fn field(&self, problem: &BaseProblem) -> FieldModel {
         problem.field.with_crown_m(self.crown_m)
     }
 
     /// These cameras after an adjustment to clicks and paint.
-    pub fn adjust(
+    pub(super) fn adjust(
         &self,
         problem: &BaseProblem,
         seen: &PaintObservations,
