@@ -2,10 +2,12 @@
 //! painted lines in their pictures, and from clicks where there are some.
 //!
 //! 1. Each frame is aligned to its paint, beginning with its known camera, and positions of paint
-//!    are measured.
-//! 2. Base and frames are adjusted to them. Where the size of the field is unknown it is fitted.
-//! 3. Paint is measured once more from the adjusted cameras, and the base is estimated from it.
-//!    Lens and crown are chosen by their error at held-out paint.
+//!    are measured (`paint_observations.rs`).
+//! 2. Base and frames are adjusted to them.
+//! 3. Paint is measured once more from the adjusted cameras. Where the size of the field is unknown
+//!    it is fitted, and paint measured again, until it stands still (`size_on_paint.rs`).
+//! 4. The base is estimated from that paint. Lens and crown are chosen by their error at held-out
+//!    paint.
 
 use super::on_paint::{BasePaintEvidence, OnPaintErrors};
 use super::paint_observations::{
@@ -68,8 +70,7 @@ impl KnownFrames<'_> {
             open_field,
         } = self;
         // Steps 1 and 2: measure paint from the initial cameras and adjust with the richest model
-        // of the base that the data allow. The result is only the start for the size and for step
-        // 3.
+        // of the base that the data allow. The result is only the start for what follows.
         let first_field = problem.field.clone();
         let seen = PaintObservations::measure(&problem, &first, &masks, picture)?;
         let model = options.richest(&problem.camera_clicks());
