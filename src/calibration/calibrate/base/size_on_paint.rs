@@ -80,7 +80,7 @@ pub(super) struct MeasuredFrames {
 
 impl MeasuredFrames {
     /// The largest difference between the lengths of this field and another one, m.
-    fn resized_by_m(&self, other: &FieldModel) -> f64 {
+    fn change_of_size_m(&self, other: &FieldModel) -> f64 {
         let here = &self.problem.field;
         let length_m = (here.length_m - other.length_m).abs();
         length_m.max((here.width_m - other.width_m).abs())
@@ -120,7 +120,7 @@ impl SizingOnPaint<'_> {
             let Some(resized) = resized.filter(|sized| sized.seen.places as f64 >= enough) else {
                 break;
             };
-            let moved_m = resized.resized_by_m(&measured.problem.field);
+            let moved_m = resized.change_of_size_m(&measured.problem.field);
             measured = resized;
             if moved_m < SETTLED_M {
                 break;
