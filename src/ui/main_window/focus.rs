@@ -88,7 +88,7 @@ const fn is_key_of_text(key: Key) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::key_stroke::command_of;
+    use super::super::key_stroke::{command_of, stroke};
     use super::*;
     use crate::ui::open_with_click;
     use egui::Modifiers;
@@ -108,13 +108,7 @@ mod tests {
             (Key::E, None),
             (Key::A, None),
         ] {
-            let stroke = KeyStroke {
-                key,
-                physical: None,
-                pressed: true,
-                repeat: false,
-                modifiers: Modifiers::COMMAND,
-            };
+            let stroke = stroke(key, Modifiers::COMMAND);
             let command = command_of(&app, &stroke);
             let free = command.filter(|_| is_free(&stroke, command, Focus::Text));
             assert_eq!(free, expected, "{key:?}");

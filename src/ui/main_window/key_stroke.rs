@@ -98,6 +98,18 @@ pub(super) fn key_of(chord: &Chord) -> Option<Key> {
     Key::from_name(&chord.key)
 }
 
+/// A key that goes down, on a platform that reports no physical keys.
+#[cfg(test)]
+pub(super) const fn stroke(key: Key, modifiers: Modifiers) -> KeyStroke {
+    KeyStroke {
+        key,
+        physical: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -108,16 +120,6 @@ mod tests {
 
     fn app() -> App {
         open_with_click(ImagePoint::new(10.0, 20.0))
-    }
-
-    fn stroke(key: Key, modifiers: Modifiers) -> KeyStroke {
-        KeyStroke {
-            key,
-            physical: None,
-            pressed: true,
-            repeat: false,
-            modifiers,
-        }
     }
 
     fn found(app: &App, stroke: KeyStroke) -> Option<Command> {

@@ -210,6 +210,7 @@ fn is_held_down(app: &App, command: Command) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::key_stroke::stroke;
     use super::*;
     use crate::ui::open_with_click;
     use egui::Modifiers;
@@ -220,16 +221,6 @@ mod tests {
 
     fn app() -> App {
         open_with_click(ImagePoint::new(10.0, 20.0))
-    }
-
-    fn stroke(key: Key, modifiers: Modifiers) -> KeyStroke {
-        KeyStroke {
-            key,
-            physical: None,
-            pressed: true,
-            repeat: false,
-            modifiers,
-        }
     }
 
     fn press(app: &App, key: Key, modifiers: Modifiers) -> Option<Action> {

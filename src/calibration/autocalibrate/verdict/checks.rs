@@ -78,11 +78,15 @@ pub fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop {
 /// with it, and those that it was found from. A search leaves out frames with little paint on their
 /// lines, and of a wrong camera these are the ones that contradict it.
 fn num_compared(camera: &AutocalibratedCamera) -> usize {
-    let scores = camera
-        .frames
-        .iter()
-        .filter_map(AutocalibratedFrame::line_check_score);
-    scores.count().max(camera.evidence.frames)
+    line_check_scores(camera)
+        .count()
+        .max(camera.evidence.frames)
+}
+
+/// The scores of the line checks of all frames whose picture was compared with the camera.
+fn line_check_scores(camera: &AutocalibratedCamera) -> impl Iterator<Item = f64> {
+    let frames = camera.frames.iter();
+    frames.filter_map(AutocalibratedFrame::line_check_score)
 }
 
 /// The share of aligned frames, of a number of frames.
@@ -92,11 +96,8 @@ fn aligned_share(camera: &AutocalibratedCamera, of: usize) -> f64 {
 
 /// Whether the frames together confirm a camera with which too few of them agree one by one.
 pub fn is_confirmed_in_mean(camera: &AutocalibratedCamera, lines: &LinesInMean) -> bool {
-    let scores = camera
-        .frames
-        .iter()
-        .filter_map(AutocalibratedFrame::line_check_score);
-    let mean_check = scores.sum::<f64>() / num_compared(camera).max(1) as f64;
+    let sum_of_checks: f64 = line_check_scores(camera).sum();
+    let mean_check = sum_of_checks / num_compared(camera).max(1) as f64;
     let num_lines = lines.seen.len() + lines.absent.len();
     mean_check >= MIN_MEAN_CHECK
         && num_lines >= MIN_LINES_IN_MEAN

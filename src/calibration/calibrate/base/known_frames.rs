@@ -11,7 +11,7 @@
 
 use super::on_paint::{BasePaintEvidence, OnPaintErrors};
 use super::paint_observations::{
-    BaseOnPaintError, KnownCameras, PaintObservations, frame_on_field,
+    BaseOnPaintError, KnownCameras, PaintObservations, frames_on_field,
 };
 use super::size_fit::OpenSize;
 use super::size_on_paint::{ALONE_SIGMA_M, MeasuredFrames, OpenField, SizingOnPaint};
@@ -19,7 +19,7 @@ use crate::calibrate::{BaseEstimationError, BaseProblem};
 use touchline_core::geometry::PixelBox;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
-    BaseEstimate, BaseOptions, BaseProgress, CameraClicks, FittedSize, FrameClicks, HeldOutErrors,
+    BaseEstimate, BaseOptions, BaseProgress, CameraClicks, FittedSize, HeldOutErrors,
     cross_validated_errors, estimate_base_on_paint,
 };
 use touchline_vision::media::Picture;
@@ -125,11 +125,7 @@ impl KnownFrames<'_> {
         estimate.position_covariance = estimate.base.sigma.position_covariance();
         // For comparison, the errors of the initial base at the same paint, on the field size that
         // it was estimated with.
-        let as_first: Vec<FrameClicks> = seen
-            .painted
-            .iter()
-            .map(|frame| frame_on_field(frame, &first_field))
-            .collect();
+        let as_first = frames_on_field(&seen.painted, &first_field);
         let as_first = CameraClicks {
             field: &first_field,
             frames: &as_first,

@@ -178,14 +178,11 @@ impl PaintObservations {
         });
         self.painted[place].observations.extend(observed);
     }
+
     /// The same paint with its coordinates on a field of another size.
     pub fn on_field(&self, field: &FieldModel) -> Self {
         Self {
-            painted: self
-                .painted
-                .iter()
-                .map(|frame| frame_on_field(frame, field))
-                .collect(),
+            painted: frames_on_field(&self.painted, field),
             ptz: self.ptz.clone(),
             lines: self.lines.clone(),
             ..*self
@@ -197,11 +194,7 @@ impl BaseProblem {
     /// The same frames with their clicks on a field of another size.
     pub(super) fn on_field(self, field: FieldModel) -> Self {
         Self {
-            clicks: self
-                .clicks
-                .iter()
-                .map(|frame| frame_on_field(frame, &field))
-                .collect(),
+            clicks: frames_on_field(&self.clicks, &field),
             field,
             ..self
         }
@@ -209,7 +202,12 @@ impl BaseProblem {
 }
 
 /// The same clicks and paint with their coordinates on a field of another size.
-pub(super) fn frame_on_field(frame: &FrameClicks, field: &FieldModel) -> FrameClicks {
+pub(super) fn frames_on_field(frames: &[FrameClicks], field: &FieldModel) -> Vec<FrameClicks> {
+    let moved = frames.iter().map(|frame| frame_on_field(frame, field));
+    moved.collect()
+}
+
+fn frame_on_field(frame: &FrameClicks, field: &FieldModel) -> FrameClicks {
     FrameClicks {
         observations: frame
             .observations
