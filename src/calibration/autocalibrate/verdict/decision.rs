@@ -7,7 +7,7 @@
 use super::checks::{
     MIN_ALIGNED, MIN_ALIGNED_WITH_RUNNER_UP, MIN_LINES_WITH_CLICKS, contradicting_click,
     few_aligned, few_aligned_before_refining, is_confirmed_by_clicks, is_confirmed_in_mean,
-    is_refuted, missing_in_frames, open_size, uncertain, unusual_size,
+    is_refuted, missing_in_frames, open_size, uncertain, unsteady_size, unusual_size,
 };
 use super::deciding_landmark::deciding_landmark;
 use super::faint_lines::{LinesInMean, find_lines_in_mean};
@@ -150,6 +150,7 @@ impl Decision<'_> {
         let doubt = |camera| {
             few_aligned(camera, MIN_ALIGNED_WITH_RUNNER_UP)
                 .or_else(|| open_size(camera))
+                .or_else(|| unsteady_size(camera))
                 .or_else(|| unusual_size(camera, self.field_prior))
                 .or_else(|| self.contradicting_click(camera))
         };
@@ -254,7 +255,7 @@ impl Decision<'_> {
                 .with_open_as_assumed(&camera.field, &camera.sizes)
                 .unwrap_or(camera.field);
         }
-        // Three checks at full resolution and one of the field; the first that fails is reported.
+        // Three checks at full resolution and two of the field; the first that fails is reported.
         // What single pictures do not confirm, clicks or the mean of all pictures may.
         let few = few_aligned(&camera, min_aligned);
         let mut missing = missing_in_frames(&camera, self.matched);
@@ -277,6 +278,7 @@ impl Decision<'_> {
         };
         match few
             .or_else(missing)
+            .or_else(|| unsteady_size(&camera))
             .or_else(|| unusual_size(&camera, self.field_prior))
             .or_else(|| self.contradicting_click(&camera))
         {

@@ -54,6 +54,17 @@ pub struct FittedSize {
     pub is_open: bool,
 }
 
+impl FittedSize {
+    /// Raises the 1-σ to cover an error that the fit did not see, and with it what it adds to the
+    /// camera's position.
+    pub fn cover_error(&mut self, error_m: f64) {
+        if error_m > self.sigma_m {
+            self.position_sigma_m *= error_m / self.sigma_m;
+            self.sigma_m = error_m;
+        }
+    }
+}
+
 /// A length with a larger 1-σ is not determined by the frames, m. Where they determine it, the 1-σ
 /// is 0.04 to 0.13 m.
 const OPEN_M: f64 = 0.5;
@@ -465,5 +476,23 @@ mod tests {
             both[0].sigma_m < 0.3 && both[0].position_sigma_m.norm() < 0.15,
             "{both:?}"
         );
+    }
+
+    #[test]
+    fn an_error_that_the_fit_did_not_see_widens_position_and_length_together() {
+        let mut size = FittedSize {
+            name: "length_m".to_owned(),
+            assumed_m: 105.0,
+            value_m: 113.9,
+            sigma_m: 0.5,
+            position_sigma_m: Vec3::x() * 0.25,
+            is_open: false,
+        };
+        let fitted = size.clone();
+        size.cover_error(0.4);
+        assert_eq!(size, fitted, "less than its own");
+        size.cover_error(1.3);
+        assert_eq!(size.sigma_m, 1.3);
+        assert!((size.position_sigma_m - Vec3::x() * 0.65).norm() < 1e-12);
     }
 }
