@@ -7,15 +7,13 @@
 use super::joint::JointAdjustment;
 use crate::autocalibrate::Doubt;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, PaintPoint};
-use crate::autocalibrate::search::paint_contrast::{MarkingAtLine, PaintContrast};
-use crate::autocalibrate::search::pitch_map::is_on_field;
 use crate::calibrate::AutocalibrationEvidence;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImageSize, Vec3};
-use touchline_core::markings::{LineSample, ProjectedLine, SampleOptions, sample_lines};
+use touchline_core::geometry::ImageSize;
+use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
 use touchline_vision::paint::{MarkingPixels, PixelContent};
 
 /// Paint lies on a line within this distance from its edge, px at 1920 px width.
@@ -113,7 +111,6 @@ pub fn measure_evidence(
                 field,
                 &camera,
                 &paint[frame],
-                joint.contrast,
                 &marking_pixels[frame],
             ))
         })
@@ -191,38 +188,6 @@ fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Li
     )
 }
 
-/// Whether paint lies beside the field and is too bright for any line there, such as the foot of
-/// the boards. It is no evidence against a camera. Fainter paint there is: it may be a line of a
-/// larger field.
-fn is_bright_beside_field(
-    paint: &PaintPoint,
-    camera: &PtzCamera,
-    field: &FieldModel,
-    contrast: PaintContrast,
-) -> bool {
-    let Some(ground) = camera.plane_from_image(paint.at, 0.0) else {
-        return false;
-    };
-    if is_on_field(&ground, field) {
-        return false;
-    }
-    // A line seen lengthwise is wider than one seen from the side, so both are compared.
-    let widest_m = field
-        .lines
-        .iter()
-        .map(|line| line.width_m)
-        .fold(0.0, f64::max);
-    let mut lines = [Vec3::x(), Vec3::y()]
-        .into_iter()
-        .filter_map(|along| ProjectedLine::new(camera, ground, along));
-    lines.all(|line| {
-        contrast.is_too_bright(MarkingAtLine {
-            contrast_px: paint.contrast_px,
-            width_px: line.width_px(widest_m),
-        })
-    })
-}
-
 /// Whether a line ends on the long sides of the field, as the touchlines, the goal lines and the
 /// halfway line do. Mowing stripes end there as well, and boards stand behind them, so that the
 /// right camera may see little of their paint: in one broadcast, whose camera stands on the halfway
@@ -297,7 +262,6 @@ impl Counts {
         field: &FieldModel,
         camera: &PtzCamera,
         paint: &FramePaint,
-        contrast: PaintContrast,
         marking_pixels: &MarkingPixels,
     ) -> Self {
         /// A line counts as visible if at least this many of its samples are.
@@ -314,8 +278,8 @@ impl Counts {
                 .or_default()
                 .push(index);
         }
-        // Paint is explained if it lies close to a sample across the line and is not too bright for
-        // it; along the line up to 12 px are allowed, as samples are 8 px apart.
+        // Paint is explained if it lies close to a sample across the line; along the line up to 12
+        // px are allowed, as samples are 8 px apart.
         let on_line = |paint: &&PaintPoint| {
             let (column, row) = cell(paint.at.x, paint.at.y);
             let cells = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
@@ -323,72 +287,23 @@ impl Counts {
                 .filter_map(|cell| near.get(&cell))
                 .flatten()
                 .any(|&index| {
-                    let LineSample {
-                        image,
-                        normal,
-                        width_px,
-                        ..
-                    } = samples[index];
-                    let off = paint.at.offset_from(image);
-                    let marking = MarkingAtLine {
-                        contrast_px: paint.contrast_px,
-                        width_px,
-                    };
-                    off.dot(&normal).abs() <= within_px + 0.5 * width_px
+                    let off = paint.at.offset_from(samples[index].image);
+                    off.dot(&samples[index].normal).abs()
+                        <= within_px + 0.5 * samples[index].width_px
                         && off.norm() <= 12.0
-                        && !contrast.is_too_bright(marking)
                 })
         };
-        // Both directions: paint on lines, and lines with paint. Bright paint beside the field is
-        // not counted.
-        let (on_lines, off_lines): (Vec<&PaintPoint>, Vec<&PaintPoint>) =
-            paint.iter().partition(on_line);
-        let is_unexplained =
-            |paint: &&&PaintPoint| !is_bright_beside_field(paint, camera, field, contrast);
-        let num_unexplained = off_lines.iter().filter(is_unexplained).count();
+        // Both directions: paint on lines, and lines with paint.
+        let explained = paint.iter().filter(on_line).count();
         let of_line = LineCounts::count(field, &samples, marking_pixels);
         let lines = (0..of_line.len())
             .filter(|line| of_line[*line].num_seen >= OF_LINE)
             .collect();
         Self {
-            paint: on_lines.len() + num_unexplained,
-            explained: on_lines.len(),
+            paint: paint.len(),
+            explained,
             of_line,
             lines,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::autocalibrate::rotating_camera::{base, ptz, soccer};
-
-    #[test]
-    fn bright_paint_beside_the_field_is_no_evidence_and_faint_paint_there_is() {
-        let field = soccer().assumed;
-        let camera = PtzCamera::new(base(), ptz()[3]);
-        let contrast = PaintContrast::measure((0..100).map(|_| MarkingAtLine {
-            contrast_px: Some(120.0),
-            width_px: 1.0,
-        }));
-        // A point of the ground some metres behind the far touchline.
-        let is_beside = |beyond_m: f64, contrast_px: Option<f64>, contrast: PaintContrast| {
-            let ground = Vec3::new(3.0, 0.5 * field.width_m + beyond_m, 0.0);
-            let at = camera.image_from_world(ground).unwrap();
-            let paint = PaintPoint { at, contrast_px };
-            is_bright_beside_field(&paint, &camera, &field, contrast)
-        };
-        assert!(
-            is_beside(4.0, Some(600.0), contrast),
-            "the foot of the boards"
-        );
-        assert!(
-            !is_beside(4.0, Some(20.0), contrast),
-            "a line of a wider field"
-        );
-        assert!(!is_beside(-4.0, Some(600.0), contrast), "on the field");
-        assert!(!is_beside(4.0, None, contrast), "on floors");
-        assert!(!is_beside(4.0, Some(600.0), PaintContrast::default()));
     }
 }

@@ -9,7 +9,6 @@
 use super::paint_on_lines::{LineAssignment, SIGMA_PX, distances_px, move_to_field, paint_priors};
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, renumber_matches};
-use crate::autocalibrate::search::paint_contrast::PaintContrast;
 use crate::autocalibrate::search::pitch_map::PitchMap;
 use crate::autocalibrate::search::pose::angular_scale;
 use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
@@ -56,8 +55,6 @@ pub struct JointAdjustment {
     /// The distance between the positions that parts of the frames give, m ([`apart`]); infinite if
     /// a part gives none.
     pub parts_m: f64,
-    /// The contrast of the field's paint.
-    pub contrast: PaintContrast,
     /// The paint of each frame, assigned to lines.
     taken: Vec<FrameClicks>,
     /// Pixels of these frames per pixel at 1920 px width.
@@ -179,7 +176,6 @@ pub fn adjust_jointly(
         base: start.base,
         ptz: start.ptz.clone(),
         taken: Vec::new(),
-        contrast: PaintContrast::default(),
     };
     // Seen from a low camera the lines lie close together in the picture, and the widest rounds
     // would assign paint to neighbouring lines; skip them. The start is good enough for that.
@@ -229,7 +225,6 @@ pub fn adjust_jointly(
         mut base,
         ptz,
         taken,
-        contrast,
     } = at;
     // Cross-validation: each part of the frames is adjusted alone, with assignments, field and
     // crown held fixed, and the positions are compared.
@@ -265,7 +260,6 @@ pub fn adjust_jointly(
         sizes,
         ptz,
         parts_m,
-        contrast,
         taken,
         scale,
     })
@@ -279,8 +273,6 @@ struct JointState {
     ptz: Vec<Option<Ptz>>,
     /// The paint of each frame, assigned to lines of the field.
     taken: Vec<FrameClicks>,
-    /// As measured where it was assigned.
-    contrast: PaintContrast,
 }
 
 impl JointState {
@@ -292,7 +284,11 @@ impl JointState {
             reach_px,
             scale,
         };
-        (self.taken, self.contrast) = lines.clicks_of_frames(paint, &self.base, &self.ptz);
+        self.taken = paint
+            .iter()
+            .zip(&self.ptz)
+            .map(|(paint, ptz)| lines.clicks_of_frame(paint, &self.base, *ptz))
+            .collect();
         for (ptz, taken) in self.ptz.iter_mut().zip(&self.taken) {
             *ptz = ptz.filter(|_| taken.observations.len() >= MIN_PLACES);
         }
@@ -465,7 +461,6 @@ mod tests {
             base: base(),
             ptz: ptz().into_iter().map(Some).collect(),
             taken: Vec::new(),
-            contrast: PaintContrast::default(),
         };
         let paint = &frames_at_scale(&long).paint;
         let scale = IMAGE_SIZE.scale_from_1920();

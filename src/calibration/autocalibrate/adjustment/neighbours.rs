@@ -20,9 +20,9 @@ use super::hypothesis::{Hypothesis, MIN_GAIN};
 use super::joint::{FirstReach, JointStart};
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, MatchedFrames};
-use crate::autocalibrate::search::pitch_map::is_on_field;
 use rayon::prelude::*;
 use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 
 /// Moves a hypothesis to a neighbouring field size as long as that raises the score by
@@ -136,6 +136,11 @@ fn middle_of_paint(cameras: &JointStart, paint: &[FramePaint]) -> Option<Vec3> {
         }
     }
     (count > 0.0).then(|| sum / count)
+}
+
+/// Whether a point of the ground lies within the border of a field.
+fn is_on_field(at: &Vec3, field: &FieldModel) -> bool {
+    at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 pub mod clicked;
 pub mod exhaustive;
 pub mod focal_scales;
-pub mod paint_contrast;
 pub mod painted_curves;
 pub mod panorama_fit;
 pub mod pitch_map;

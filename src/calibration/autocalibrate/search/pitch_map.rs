@@ -226,11 +226,6 @@ impl PitchMap {
     }
 }
 
-/// Whether a point of the ground lies within the border of a field.
-pub fn is_on_field(at: &Vec3, field: &FieldModel) -> bool {
-    at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

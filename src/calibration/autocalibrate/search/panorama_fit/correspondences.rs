@@ -4,9 +4,9 @@
 //! how its direction and its line move with focal scale, crown and size of the field. So a step
 //! within the round builds no field and interpolates no rotations.
 
-use super::super::paint_contrast::{MarkingAtLine, PaintContrast};
 use super::super::pitch_map::PitchMap;
 use super::super::pose::{PaintCorrespondence, paint_certainty};
+use super::paint_contrast::{MarkingAtLine, PaintContrast};
 use super::parameters::{
     CROWN, FieldFamily, LENGTHS, LOG_SCALE, NUM_PARAMETERS, POSITION, Parameters, Prior, ROTATION,
 };

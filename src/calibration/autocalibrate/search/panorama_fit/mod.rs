@@ -24,6 +24,7 @@
 //! closed form.
 
 mod correspondences;
+mod paint_contrast;
 mod parameters;
 
 use super::pose::{PanoramaPose, angular_scale};
