@@ -25,8 +25,8 @@
 //! | 3. Persistent paint as directions | `frames/matched_frames.rs`, [`touchline_vision::paint::persistent_paint`] | players, shadows, boards |
 //! | 4. Exhaustive search of 304,425 poses on one side for each field size, and where these give no answer of all other places around the field, repeated at other focal scales; the best are improved by pattern search and fitted | `search/`: `focal_scales.rs`, `exhaustive.rs`, `places.rs`, `pose_score.rs`, `pose.rs` | a focal scale that matches bias (scrolling boards: up to 29 %) |
 //! | 4′. With two clicked landmarks, poses from pairs of clicks in place of the search | `search/clicked.rs` | – |
-//! | 5. Fit of the panorama with focal scale, crown and field size | `search/panorama_fit/` | low cameras, from which size and distance trade off; boards beside lines that are hardly seen |
-//! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `adjustment/`: `candidates.rs`, `hypothesis.rs`, `joint.rs`, `paint_on_lines.rs` | wrong lines at first; frames that stray |
+//! | 5. Fit of the panorama with focal scale, crown and field size | `search/panorama_fit/` | low cameras, from which size and distance trade off; boards beside lines that are hardly seen (`search/bright_markings.rs`) |
+//! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `adjustment/`: `candidates.rs`, `hypothesis.rs`, `joint.rs`, `paint_on_lines.rs` | wrong lines at first; frames that stray; boards beside lines that are hardly seen |
 //! | 7. Evidence: paint on lines × lines with paint; halves of the frames give one position | `adjustment/evidence.rs` | fields of another sport or size |
 //! | 8. The best two are aligned to each frame's own picture and adjusted once more | `adjustment/`: `align.rs`, `refine.rs` | frames that went to other lines; a principal point that a few frames draw away |
 //! | 9. Verdict; lines too faint for any single picture are looked for in the mean of all, and clicks that played no part confirm | `verdict/`: `decision.rs`, `checks.rs`, `faint_lines.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much; poor pictures |

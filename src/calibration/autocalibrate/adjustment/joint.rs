@@ -284,11 +284,7 @@ impl JointState {
             reach_px,
             scale,
         };
-        self.taken = paint
-            .iter()
-            .zip(&self.ptz)
-            .map(|(paint, ptz)| lines.clicks_of_frame(paint, &self.base, *ptz))
-            .collect();
+        self.taken = lines.clicks_of_frames(paint, &self.base, &self.ptz);
         for (ptz, taken) in self.ptz.iter_mut().zip(&self.taken) {
             *ptz = ptz.filter(|_| taken.observations.len() >= MIN_PLACES);
         }

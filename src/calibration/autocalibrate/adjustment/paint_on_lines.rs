@@ -1,16 +1,19 @@
 //! The paint of frames, assigned to the lines that their cameras see nearest to it: the
 //! observations of the joint adjustment.
 //!
+//! Paint that is too bright for the line beside it is left out ([`BrightMarkings`]).
+//!
 //! The assignment is made with the cameras of the moment and repeated as they get better. In
 //! between it can be moved to a field of another size or crown, measured, and summed up as one pose
 //! prior per frame.
 
 use crate::autocalibrate::frames::matched_frames::FramePaint;
+use crate::autocalibrate::search::bright_markings::{BrightMarkings, MarkingAtLine};
 use crate::autocalibrate::search::pitch_map::PitchMap;
 use crate::autocalibrate::search::pose::paint_certainty;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::subsample;
+use touchline_core::geometry::{ImagePoint, subsample};
 use touchline_core::markings::ProjectedLine;
 use touchline_core::solve::base::FrameClicks;
 use touchline_core::solve::{BlockEquations, Loss, Observation};
@@ -37,27 +40,42 @@ pub struct LineAssignment<'a> {
     pub scale: f64,
 }
 
+/// A point of paint with the line that it is assigned to.
+struct AssignedPaint {
+    /// Index of the point in the paint of its frame.
+    place: usize,
+    image: ImagePoint,
+    marking: MarkingAtLine,
+}
+
 impl LineAssignment<'_> {
-    /// The paint of a frame that lies near lines; nothing for a frame without a camera.
-    pub fn clicks_of_frame(
+    /// The paint of each frame that lies near lines; nothing for frames without a camera.
+    pub fn clicks_of_frames(
         &self,
-        paint: &FramePaint,
+        paint: &[FramePaint],
         base: &CameraBase,
-        ptz: Option<Ptz>,
-    ) -> FrameClicks {
-        FrameClicks {
-            observations: ptz.map_or_else(Vec::new, |ptz| {
-                self.observations(paint, &PtzCamera::new(*base, ptz))
-            }),
+        ptz: &[Option<Ptz>],
+    ) -> Vec<FrameClicks> {
+        let near_lines = |(paint, ptz): (&FramePaint, &Option<Ptz>)| match ptz {
+            Some(ptz) => self.assign(paint, &PtzCamera::new(*base, *ptz)),
+            None => Vec::new(),
+        };
+        // What is too bright is decided by all frames: one may show far lines alone.
+        let assigned: Vec<Vec<AssignedPaint>> = paint.iter().zip(ptz).map(near_lines).collect();
+        let markings = assigned.iter().flatten().map(|paint| paint.marking);
+        let bright = BrightMarkings::measure(self.field.lines.len(), markings);
+        let is_line = |paint: &&AssignedPaint| !bright.contain(paint.marking);
+        let clicks = assigned.iter().map(|of_frame| FrameClicks {
+            observations: self.observations(of_frame.iter().filter(is_line)),
             start: None,
-        }
+        });
+        clicks.collect()
     }
 
-    /// Assigns each point of paint to the line that the camera sees nearest to it, if within reach;
-    /// at most [`OF_LINE`] per line, evenly subsampled.
-    fn observations(&self, paint: &FramePaint, camera: &PtzCamera) -> Vec<Observation> {
-        let mut of_line: Vec<Vec<Observation>> = vec![Vec::new(); self.field.lines.len()];
+    /// Assigns each point of paint to the line that the camera sees nearest to it, if within reach.
+    fn assign(&self, paint: &FramePaint, camera: &PtzCamera) -> Vec<AssignedPaint> {
         let eye_m = camera.base().position_m;
+        let mut assigned = Vec::new();
         for (place, point) in paint.iter().enumerate() {
             let image = point.at;
             let ground = self.map.ground(|z_m| camera.plane_from_image(image, z_m));
@@ -72,13 +90,33 @@ impl LineAssignment<'_> {
             if seen.distance_px(image) > self.reach_px * self.scale {
                 continue;
             }
-            let width_px = seen.width_px(self.field.lines[near.line].width_m);
-            of_line[near.line].extend(Observation::from_paint(
-                self.field,
-                near.line,
-                image,
-                SIGMA_PX * self.scale / paint_certainty(width_px).sqrt(),
+            assigned.push(AssignedPaint {
                 place,
+                image,
+                marking: MarkingAtLine {
+                    line: near.line,
+                    contrast_px: point.contrast_px,
+                    width_px: seen.width_px(self.field.lines[near.line].width_m),
+                },
+            });
+        }
+        assigned
+    }
+
+    /// The observations of some assigned paint of a frame; at most [`OF_LINE`] per line, evenly
+    /// subsampled.
+    fn observations<'p>(
+        &self,
+        of_frame: impl Iterator<Item = &'p AssignedPaint>,
+    ) -> Vec<Observation> {
+        let mut of_line: Vec<Vec<Observation>> = vec![Vec::new(); self.field.lines.len()];
+        for paint in of_frame {
+            of_line[paint.marking.line].extend(Observation::from_paint(
+                self.field,
+                paint.marking.line,
+                paint.image,
+                SIGMA_PX * self.scale / paint_certainty(paint.marking.width_px).sqrt(),
+                paint.place,
             ));
         }
         of_line
@@ -154,7 +192,10 @@ mod tests {
             reach_px: 4.0,
             scale,
         };
-        let taken = lines.clicks_of_frame(&paint(&field, ptz), &base(), Some(ptz));
+        let taken = lines.clicks_of_frames(&[paint(&field, ptz)], &base(), &[Some(ptz)]);
+        let [taken] = taken.as_slice() else {
+            panic!("{} frames", taken.len());
+        };
         let wide_px = SIGMA_PX * scale;
         let is_wide = |seen: &&Observation| seen.sigma_px < wide_px + 1e-9;
         assert!(taken.observations.iter().filter(is_wide).count() > 10);
@@ -175,6 +216,40 @@ mod tests {
             let times = seen.sigma_px / wide_px;
             assert!((3.5..5.5).contains(&times), "{times}");
         }
+    }
+
+    #[test]
+    fn paint_that_is_too_bright_for_its_line_is_left_out() {
+        let (field, ptz) = (soccer().assumed, ptz()[3]);
+        let camera = PtzCamera::new(base(), ptz);
+        let far = FieldElement::Paint(
+            field
+                .lines
+                .iter()
+                .position(|line| line.id.as_str() == "touchline_far")
+                .unwrap(),
+        );
+        let lines = LineAssignment {
+            field: &field,
+            map: &PitchMap::with_grid(&field),
+            reach_px: 8.0,
+            scale: IMAGE_SIZE.scale_from_1920(),
+        };
+        // Every marking has the contrast of a line 0.12 m wide at 60 m, as the nearer lines have.
+        // The far touchline is 97 m away.
+        let num_of_far = |contrast_px: f64| {
+            let mut shown = paint(&field, ptz);
+            for point in &mut shown {
+                let ground = camera.plane_from_image(point.at, 0.0).unwrap();
+                let is_far = ground.y > 0.5 * field.width_m - 1.0;
+                point.contrast_px = Some(if is_far { contrast_px } else { 100.0 });
+            }
+            let taken = lines.clicks_of_frames(&[shown], &base(), &[Some(ptz)]);
+            let of_frame = taken[0].observations.iter();
+            of_frame.filter(|seen| seen.element == Some(far)).count()
+        };
+        assert!(num_of_far(20.0) > 10);
+        assert_eq!(num_of_far(400.0), 0);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The pose of the panorama on the field: stages 4 and 5.
 
+pub mod bright_markings;
 pub mod clicked;
 pub mod exhaustive;
 pub mod focal_scales;

@@ -4,9 +4,9 @@
 //! how its direction and its line move with focal scale, crown and size of the field. So a step
 //! within the round builds no field and interpolates no rotations.
 
+use super::super::bright_markings::{BrightMarkings, MarkingAtLine};
 use super::super::pitch_map::PitchMap;
 use super::super::pose::{PaintCorrespondence, paint_certainty};
-use super::paint_contrast::{MarkingAtLine, PaintContrast};
 use super::parameters::{
     CROWN, FieldFamily, LENGTHS, LOG_SCALE, NUM_PARAMETERS, POSITION, Parameters, Prior, ROTATION,
 };
@@ -85,7 +85,7 @@ impl<'a> PaintSamples<'a> {
 }
 
 /// Pairs each sample of paint with the line that it passes nearest to, if within three gates of it
-/// and not too bright for it ([`PaintContrast`]).
+/// and not too bright for it ([`BrightMarkings`]).
 pub(super) fn match_paint_to_lines(
     at: &Parameters,
     paint: &PaintSamples<'_>,
@@ -135,6 +135,7 @@ pub(super) fn match_paint_to_lines(
         let focal_px = rotations.ptz[sample.frame].focal_px;
         let width_px = pair.paint_angle(&at.pose, paint_m).unwrap_or(0.0) * focal_px;
         markings.push(MarkingAtLine {
+            line: line.line,
             contrast_px: sample.point.contrast_px,
             width_px,
         });
@@ -154,9 +155,9 @@ pub(super) fn match_paint_to_lines(
             linearised_at: *at,
         });
     }
-    let contrast = PaintContrast::measure(markings.iter().copied());
+    let bright = BrightMarkings::measure(field.lines.len(), markings.iter().copied());
     let pairs = pairs.into_iter().zip(markings);
-    let of_lines = pairs.filter(|(_, marking)| !contrast.is_too_bright(*marking));
+    let of_lines = pairs.filter(|(_, marking)| !bright.contain(*marking));
     Some(of_lines.map(|(pair, _)| pair).collect())
 }
 

@@ -24,7 +24,6 @@
 //! closed form.
 
 mod correspondences;
-mod paint_contrast;
 mod parameters;
 
 use super::pose::{PanoramaPose, angular_scale};
