@@ -181,16 +181,26 @@ impl Decision<'_> {
         let mut best = align_frames(refined, self.matched, self.picture, self.progress)?;
         if few_aligned(&best.camera, min_aligned).is_some() {
             // Few aligned frames can have moved the principal point away from where the others need
-            // it. Try again with the principal point in the centre and keep the result with more
-            // aligned frames.
+            // it. Or the base was refined on the assumed field, although the frames show its size
+            // better than it is known. Try again with the principal point in the centre, and on the
+            // field as found; keep the result with most aligned frames.
             let centred = BaseOptions {
                 placing_frames: usize::MAX,
                 ..BaseOptions::default()
             };
-            if let Some(refined) = self.refine(hypothesis, &centred)? {
-                let other = align_frames(refined, self.matched, self.picture, self.progress)?;
-                if other.camera.aligned_frame_count() > best.camera.aligned_frame_count() {
-                    best = other;
+            let as_found = hypothesis.with_open_lengths_as_found();
+            let again = [
+                Some((hypothesis, centred)),
+                as_found
+                    .as_ref()
+                    .map(|sized| (sized, BaseOptions::default())),
+            ];
+            for (from, options) in again.into_iter().flatten() {
+                if let Some(refined) = self.refine(from, &options)? {
+                    let other = align_frames(refined, self.matched, self.picture, self.progress)?;
+                    if other.camera.aligned_frame_count() > best.camera.aligned_frame_count() {
+                        best = other;
+                    }
                 }
             }
         }

@@ -66,10 +66,8 @@ impl FittedSize {
 }
 
 /// A length with a larger 1-σ is not determined by the frames, m. Where they determine it, the 1-σ
-/// is 0.04 to 0.13 m. In between it is still known better than the assumed one (2.5 to 3.75 m), to
-/// which the base does not belong: with 0.5 m here, drawn clip 19 of the bowl (lengths to 0.87 and
-/// 0.52 m) was refined on the assumed field, and of 27 frames that agreed 7 were left.
-const OPEN_M: f64 = 1.0;
+/// is 0.04 to 0.13 m.
+const OPEN_M: f64 = 0.5;
 
 /// The start of the fit: a base and its frames on a field.
 #[derive(Clone, Copy, Debug)]
