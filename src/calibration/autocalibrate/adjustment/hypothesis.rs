@@ -16,7 +16,6 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use std::sync::Arc;
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Vec3;
-use touchline_core::solve::base::FittedSize;
 use touchline_vision::track::{PosePrior, fill_missing_cameras};
 
 /// An adjustment replaces another one if its score is this many times higher.
@@ -210,6 +209,7 @@ mod tests {
     use crate::autocalibrate::rotating_camera::{
         base, frames_at_scale, hypothesis, matched_views, paint, ptz, soccer,
     };
+    use touchline_core::solve::base::FittedSize;
 
     #[test]
     fn base_and_frames_are_found_again_from_beside() {
