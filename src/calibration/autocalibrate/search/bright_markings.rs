@@ -23,9 +23,8 @@
 //! The test is one-sided. Worn or shaded paint has less contrast than the rest and passes.
 //!
 //! Single markings are no reason. Beside a line that is where it is predicted up to 7 % are too
-//! bright, where it crosses another one or a player; beside one that is taken for boards it is 35 to
-//! 95 % (drawn clips 19 and 25). Left out one by one, those of true lines drew the width of clip 19,
-//! seen from a low mast, 0.5 m away.
+//! bright; where boards are taken for a line it is 35 to 95 % (drawn clips 19 and 25). With bright
+//! markings left out one by one, the width of clip 19, seen from a low mast, was 0.5 m off.
 //!
 //! [`MarkingPixel::contrast_px`]: touchline_vision::paint::MarkingPixel::contrast_px
 

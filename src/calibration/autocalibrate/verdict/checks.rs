@@ -69,7 +69,7 @@ pub const MIN_LINES_WITH_CLICKS: usize = 5;
 /// A length of the field that the frames show is known to this 1-σ at worst, m. It is larger where
 /// the coarse paint and the frames' own pictures, or one fit and the next, give other lengths: of
 /// drawn clip 9 of the bowl 103.6 and 115.6 m (104.4 m is right), and 24 of 30 frames agreed with
-/// the latter. Of right cameras it was 0.52 m at most.
+/// the latter. Of right cameras it was 0.67 m at most.
 const MAX_SIZE_SIGMA_M: f64 = 1.0;
 
 /// Abstains, with the reasons to reject the best candidate.
@@ -90,7 +90,7 @@ fn num_compared(camera: &AutocalibratedCamera) -> usize {
         .max(camera.evidence.frames)
 }
 
-/// The scores of the line checks of all frames whose picture was compared with the camera.
+/// The scores of the line checks, of all frames that were compared with the camera.
 fn line_check_scores(camera: &AutocalibratedCamera) -> impl Iterator<Item = f64> {
     let frames = camera.frames.iter();
     frames.filter_map(AutocalibratedFrame::line_check_score)
@@ -139,7 +139,7 @@ pub fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
     Some(size_doubt(open))
 }
 
-/// The reason to reject a camera whose frames show a length of the field, but not the same one each
+/// The reason to reject a camera if its frames show a length of the field, but not the same one each
 /// time that it is measured. A length that they do not show at all is no such reason.
 pub fn unsteady_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
     let is_unsteady = |size: &&FittedSize| !size.is_open && size.sigma_m > MAX_SIZE_SIGMA_M;
