@@ -73,7 +73,7 @@ impl Decision<'_> {
             return Err(uncertain(doubts, best.camera));
         }
         let is_doubted = !doubts.is_empty();
-        let best = align_frames(best, self.matched, self.picture, self.progress)?;
+        let best = self.align(best)?;
         match (runner_up, self.few_aligned_before_refining(&best.camera)) {
             (Some(runner_up), _) => self.decide_between(best, runner_up, is_doubted),
             (None, Some(doubt)) => Err(uncertain(vec![doubt], best.camera)),
@@ -91,7 +91,7 @@ impl Decision<'_> {
     ) -> Result<AutocalibrationAnswer, Stop> {
         let is_doubted = is_doubted || !runner_up.doubts().is_empty();
         runner_up.camera.evidence.rival = best.score();
-        let runner_up = align_frames(runner_up, self.matched, self.picture, self.progress)?;
+        let runner_up = self.align(runner_up)?;
 
         // The frames' own pictures decide first. If too few of them agree with the best candidate,
         // the two change places, unless some evidence contradicts either, or too few agree with the
@@ -128,7 +128,7 @@ impl Decision<'_> {
                     &best.camera.field,
                 ) < SAME_POSITION_M =>
             {
-                let best = align_frames(best, self.matched, self.picture, self.progress)?;
+                let best = self.align(best)?;
                 return self.judge(best.camera, MIN_ALIGNED_WITH_RUNNER_UP);
             }
             [refined_best, refined_runner_up] => [
@@ -175,10 +175,10 @@ impl Decision<'_> {
         hypothesis: &Hypothesis,
         min_aligned: f64,
     ) -> Result<AutocalibrationAnswer, Stop> {
-        let Some(refined) = self.refine(hypothesis, &BaseOptions::default())? else {
+        let options = BaseOptions::default();
+        let Some(mut best) = self.refine_and_align(hypothesis, &options)? else {
             return Err(uncertain(vec![Doubt::NotHeld], hypothesis.camera.clone()));
         };
-        let mut best = align_frames(refined, self.matched, self.picture, self.progress)?;
         if few_aligned(&best.camera, min_aligned).is_some() {
             // Few aligned frames can have moved the principal point away from where the others need
             // it. Or the base was refined on the assumed field, although the frames show its size
@@ -186,21 +186,15 @@ impl Decision<'_> {
             // field as found; keep the result with most aligned frames.
             let centred = BaseOptions {
                 placing_frames: usize::MAX,
-                ..BaseOptions::default()
+                ..options
             };
-            let as_found = hypothesis.with_open_lengths_as_found();
-            let again = [
-                Some((hypothesis, centred)),
-                as_found
-                    .as_ref()
-                    .map(|sized| (sized, BaseOptions::default())),
-            ];
-            for (from, options) in again.into_iter().flatten() {
-                if let Some(refined) = self.refine(from, &options)? {
-                    let other = align_frames(refined, self.matched, self.picture, self.progress)?;
-                    if other.camera.aligned_frame_count() > best.camera.aligned_frame_count() {
-                        best = other;
-                    }
+            let mut again = vec![self.refine_and_align(hypothesis, &centred)?];
+            if let Some(as_found) = hypothesis.with_open_lengths_as_found() {
+                again.push(self.refine_and_align(&as_found, &options)?);
+            }
+            for other in again.into_iter().flatten() {
+                if other.camera.aligned_frame_count() > best.camera.aligned_frame_count() {
+                    best = other;
                 }
             }
         }
@@ -214,9 +208,27 @@ impl Decision<'_> {
         unrefined: Hypothesis,
     ) -> Result<Hypothesis, Stop> {
         match refined {
-            Some(refined) => align_frames(refined, self.matched, self.picture, self.progress),
+            Some(refined) => self.align(refined),
             None => Ok(unrefined),
         }
+    }
+
+    /// Refines the base of a hypothesis and aligns its frames with it; none if the paint does not
+    /// determine a base.
+    fn refine_and_align(
+        &mut self,
+        hypothesis: &Hypothesis,
+        options: &BaseOptions,
+    ) -> Result<Option<Hypothesis>, Stop> {
+        match self.refine(hypothesis, options)? {
+            Some(refined) => Ok(Some(self.align(refined)?)),
+            None => Ok(None),
+        }
+    }
+
+    /// Aligns each frame of a hypothesis with the lines of its own picture.
+    fn align(&mut self, hypothesis: Hypothesis) -> Result<Hypothesis, Stop> {
+        align_frames(hypothesis, self.matched, self.picture, self.progress)
     }
 
     /// Refines the base of a hypothesis; none if the paint does not determine one.
