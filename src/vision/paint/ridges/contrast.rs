@@ -13,8 +13,8 @@ use touchline_core::markings::LineSample;
 /// The mean contrast of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LineContrast {
-    /// Sum over the places, grey levels.
-    sum: f64,
+    /// Sums over the places, against the turf on either side, grey levels.
+    sums: [f64; 2],
     num_places: usize,
 }
 
@@ -46,10 +46,11 @@ impl LineContrast {
             let levels = ALONG_PX.map(|by_px| ground.grey().at(at.translate(along * by_px)));
             levels.iter().sum::<f64>() / levels.len() as f64
         });
-        // Against the mean of both sides, where `ridge.rs` takes the brighter one: the brighter of
-        // two noisy sides is biased, and a mean over many places would keep that bias.
-        let contrast = on_line - 0.5 * (one + other);
-        self.sum += contrast.clamp(-MAX_CONTRAST, MAX_CONTRAST);
+        // Each side by itself, where `ridge.rs` takes the brighter one at once: the brighter of two
+        // noisy sides is biased, and a mean over many places would keep that bias.
+        for (sum, side) in self.sums.iter_mut().zip([one, other]) {
+            *sum += (on_line - side).clamp(-MAX_CONTRAST, MAX_CONTRAST);
+        }
         self.num_places += 1;
     }
 
@@ -59,16 +60,85 @@ impl LineContrast {
         self.num_places
     }
 
-    /// The mean over all places, grey levels; positive for paint. None without places.
+    /// The mean over all places, against the side that is brighter in the mean, grey levels. It is
+    /// positive for paint alone: an edge, or a slope of the light, is darker than one of its sides
+    /// wherever it is measured. None without places.
     #[must_use]
     pub fn mean(&self) -> Option<f64> {
-        (self.num_places > 0).then(|| self.sum / self.num_places as f64)
+        let [one, other] = self.sums;
+        (self.num_places > 0).then(|| one.min(other) / self.num_places as f64)
     }
 }
 
 impl AddAssign for LineContrast {
     fn add_assign(&mut self, other: Self) {
-        self.sum += other.sum;
+        for (sum, other) in self.sums.iter_mut().zip(other.sums) {
+            *sum += other;
+        }
         self.num_places += other.num_places;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::media::Picture;
+    use touchline_core::geometry::{ImageSize, Vec3};
+
+    const SIZE: ImageSize = ImageSize {
+        width: 81,
+        height: 41,
+    };
+    const MIDDLE: u32 = SIZE.width / 2;
+
+    /// The highest contrast within 1.5 px of the middle column of turf whose columns have some
+    /// brightness.
+    fn highest_contrast(brightness: impl Fn(u32) -> u8) -> f64 {
+        let columns = (0..SIZE.width).map(|column| {
+            let green = brightness(column);
+            [green / 2, green, green / 2, 255]
+        });
+        let row: Vec<u8> = columns.flatten().collect();
+        let picture = Picture::new(SIZE, row.repeat(SIZE.height as usize)).unwrap();
+        let ground = GroundPicture::new(&picture, &[]);
+        let sample = LineSample {
+            line: 0,
+            at: Vec3::zeros(),
+            image: ImagePoint::new(40.5, 20.5),
+            normal: Vec2::x(),
+            width_px: 0.5,
+            outward: 0.0,
+        };
+        let contrast_at = |offset_px: f64| {
+            let mut contrast = LineContrast::default();
+            contrast.add(&ground, &sample, offset_px, 1.0);
+            contrast.mean().expect("all of it is turf")
+        };
+        let offsets_px = (-3..=3).map(|step| 0.5 * f64::from(step));
+        offsets_px.map(contrast_at).fold(f64::MIN, f64::max)
+    }
+
+    #[test]
+    fn an_edge_or_a_slope_of_the_light_is_no_line() {
+        let edge = highest_contrast(|column| if column < MIDDLE { 110 } else { 122 });
+        assert!(edge <= 0.0, "{edge}");
+        let slope = highest_contrast(|column| 80 + column as u8);
+        assert!(slope < 0.0, "{slope}");
+        assert!(highest_contrast(|_| 120) <= 0.0);
+    }
+
+    #[test]
+    fn a_line_along_an_edge_is_a_line() {
+        let contrast = highest_contrast(|column| match column.cmp(&MIDDLE) {
+            std::cmp::Ordering::Less => 110,
+            std::cmp::Ordering::Equal => 126,
+            std::cmp::Ordering::Greater => 122,
+        });
+        assert!(contrast > 1.0, "{contrast}");
+    }
+
+    #[test]
+    fn without_places_there_is_no_contrast() {
+        assert_eq!(LineContrast::default().mean(), None);
     }
 }
