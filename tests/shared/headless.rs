@@ -73,8 +73,8 @@ impl Headless {
                 .recv_timeout(Duration::from_mins(1))
                 .unwrap_or_else(|_| {
                     panic!(
-                        "{what} did not happen; notices: {:?}",
-                        self.app.session.messages.notices
+                        "{what} did not happen; notices: {:?}; trainer: {:?}",
+                        self.app.session.messages.notices, self.app.session.trainer.status
                     );
                 });
             for action in self.runner.poll() {

@@ -353,7 +353,7 @@ fn against(check: &LineCheck) -> String {
     format!(
         "the painted lines are not where this camera projects them: paint at {} of {} open places",
         check.found,
-        check.found + check.bare
+        check.num_open()
     )
 }
 

@@ -93,7 +93,7 @@ fn align_to_pictures(
         for (frame, aligned) in some.iter_mut().zip(aligned) {
             (frame.snapped, frame.unaligned_score) = match aligned {
                 Some(Ok(alignment)) => (Some(alignment), None),
-                Some(Err(score)) => (None, Some(score)),
+                Some(Err(score)) => (None, score),
                 None => continue,
             };
         }
@@ -102,16 +102,21 @@ fn align_to_pictures(
 }
 
 /// Aligns a camera to the painted lines of its picture. Where that fails, returns the score of the
-/// line check instead: what the picture says of the camera counts all the same.
+/// line check instead: what the picture says of the camera counts all the same. It says nothing if
+/// hardly any place of the lines is on open ground, as where turf in deep shade is not taken for
+/// ground.
 fn align_to_picture(
     camera: &PtzCamera,
     field: &FieldModel,
     ground: &GroundPicture,
-) -> Result<Snapped, f64> {
+) -> Result<Snapped, Option<f64>> {
     let options = SnapOptions::default();
-    snap(ground, field, camera.base(), camera.ptz(), &[], &options).map_err(|error| match error {
-        SnapError::NotBorneOut { score } => score,
-        _ => check_lines(ground, field, camera).score,
+    snap(ground, field, camera.base(), camera.ptz(), &[], &options).map_err(|error| {
+        if let SnapError::NotBorneOut { score } = error {
+            return Some(score);
+        }
+        let check = check_lines(ground, field, camera);
+        check.can_say().then_some(check.score)
     })
 }
 
@@ -289,6 +294,7 @@ mod tests {
         IMAGE_SIZE, base, hypothesis, matched_views, ptz, soccer,
     };
     use std::ops::ControlFlow;
+    use touchline_vision::media::Picture;
 
     fn worst_apart_px(found: &[Ptz], truth: &[Ptz]) -> f64 {
         let apart_px = |(found, truth): (&Ptz, &Ptz)| {
@@ -339,6 +345,29 @@ mod tests {
             !camera.paint.is_empty(),
             "the directions of the paint are reported"
         );
+    }
+
+    /// The scores of the line checks in pictures of one colour.
+    fn scores_on(rgb: [u8; 3]) -> Vec<Option<f64>> {
+        let (matched, hypothesis) = (matched_views(), hypothesis(&soccer().assumed));
+        let num_pixels = (IMAGE_SIZE.width * IMAGE_SIZE.height) as usize;
+        let [red, green, blue] = rgb;
+        let picture = Picture::new(IMAGE_SIZE, [red, green, blue, 255].repeat(num_pixels)).unwrap();
+        let mut picture = |_: usize| Some(picture.clone());
+        let aligned = align_frames(hypothesis, &matched, &mut picture, &Progress::default());
+        let frames = aligned.ok().unwrap().camera.frames;
+        frames
+            .iter()
+            .map(AutocalibratedFrame::line_check_score)
+            .collect()
+    }
+
+    #[test]
+    fn bare_turf_contradicts_a_camera_and_a_dark_picture_says_nothing() {
+        let on_turf = scores_on([60, 120, 60]);
+        let is_contradicted = |score: &Option<f64>| score.is_some_and(|score| score < 0.1);
+        assert!(on_turf.iter().all(is_contradicted), "{on_turf:?}");
+        assert_eq!(scores_on([8, 8, 8]), vec![None; 7]);
     }
 
     #[test]

@@ -51,13 +51,15 @@ pub struct AutocalibratedFrame {
     /// if neighbouring frames contradict them.
     pub snapped: Option<Snapped>,
     /// The score of the line check that says how likely the camera is by its own picture, where
-    /// that could not be aligned; none without a picture.
+    /// that could not be aligned; none without a picture, or if too few places of the lines are on
+    /// open ground for a verdict.
     pub unaligned_score: Option<f64>,
 }
 
 impl AutocalibratedFrame {
     /// The probability, from the line check of its own picture, that its camera is right. None
-    /// without a picture, or if neighbouring frames contradict the alignment.
+    /// without a picture, if it shows too few places of the lines, or if neighbouring frames
+    /// contradict the alignment.
     pub(crate) fn line_check_score(&self) -> Option<f64> {
         let aligned = self.snapped.as_ref().map(|alignment| alignment.check.score);
         aligned.or(self.unaligned_score)

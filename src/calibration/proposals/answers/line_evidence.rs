@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldError;
 use touchline_core::geometry::{ImageSize, subsample};
-use touchline_core::markings::{FEWEST_OPEN, LineVerdict};
+use touchline_core::markings::LineVerdict;
 use touchline_documents::document::{DocumentAt, Fields, Frame, FramePtz, FrameStatus};
 use touchline_vision::media::{FrameReader, Picture, ReadFrames};
 use touchline_vision::paint::{
@@ -86,7 +86,7 @@ impl LineEvidence {
                 evidence.fields.for_frame(at.document, frame),
                 &camera,
             );
-            if can_say(&check) {
+            if check.can_say() {
                 let supports = check.verdict() == LineVerdict::Supports;
                 evidence.proven = Some(evidence.proven.unwrap_or(false) || supports);
             }
@@ -290,11 +290,6 @@ fn ground(at: DocumentAt<'_>, frame: &Frame, picture: &Picture) -> GroundPicture
     GroundPicture::new(picture, &at.document.masks_of(frame))
 }
 
-/// Whether enough line samples are unoccluded for a verdict.
-fn can_say(check: &LineCheck) -> bool {
-    check.found + check.bare >= FEWEST_OPEN
-}
-
 /// Whether the paint supports hardly any of the answers. Then the pictures do not show the field's
 /// lines, and the paint is no evidence about a single answer.
 fn supports_hardly_any(proposals: &[Proposal]) -> bool {
@@ -302,7 +297,7 @@ fn supports_hardly_any(proposals: &[Proposal]) -> bool {
         .iter()
         .filter_map(|proposal| proposal.outcome.as_ref().ok()?.line_check.as_ref());
     let (mut request, mut supported) = (0_usize, 0_usize);
-    for check in checks.filter(|check| can_say(check)) {
+    for check in checks.filter(|check| check.can_say()) {
         request += 1;
         supported += usize::from(check.verdict() == LineVerdict::Supports);
     }
@@ -313,7 +308,7 @@ fn supports_hardly_any(proposals: &[Proposal]) -> bool {
 /// off it lies. Returns why the answer is withdrawn, if its confidence is too low. `scale` is the
 /// width of the picture in units of 1920 px.
 fn weigh(answer: &mut Answer, scale: f64, min_confidence: f64) -> Option<NoProposal> {
-    let check = answer.line_check.filter(can_say)?;
+    let check = answer.line_check.filter(LineCheck::can_say)?;
     // Paint and features are taken as independent evidence, so their log odds add up.
     let log_odds = |probability: f64| (probability / (1.0 - probability)).ln();
     let both = log_odds(check.score) + log_odds(answer.evidence.agreement()).min(FEATURES_AT_MOST);
@@ -334,7 +329,7 @@ fn weigh(answer: &mut Answer, scale: f64, min_confidence: f64) -> Option<NoPropo
     if check.verdict() == LineVerdict::Contradicts {
         return Some(NoProposal::Contradicted {
             found: check.found,
-            open: check.found + check.bare,
+            open: check.num_open(),
         });
     }
     // The paint does not contradict the answer, but may lie a few px beside it or be too sparse.

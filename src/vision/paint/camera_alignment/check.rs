@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, median_high};
-use touchline_core::markings::LineVerdict;
+use touchline_core::markings::{FEWEST_OPEN, LineVerdict};
 
 /// Maximum distance of paint from where the camera predicts it, px at 1920 px width.
 const REACH_PX: f64 = 12.0;
@@ -88,10 +88,22 @@ impl LineCheck {
         seen < EMPTY_LINE && alone > ALONE[0] + ALONE[1] * seen
     }
 
+    /// The number of samples on open ground.
+    #[must_use]
+    pub const fn num_open(&self) -> usize {
+        self.found + self.bare
+    }
+
+    /// Whether enough samples are on open ground for a verdict.
+    #[must_use]
+    pub const fn can_say(&self) -> bool {
+        self.num_open() >= FEWEST_OPEN
+    }
+
     /// The verdict that the score and the number of open samples allow.
     #[must_use]
     pub fn verdict(&self) -> LineVerdict {
-        LineVerdict::from_score(self.score, self.found + self.bare)
+        LineVerdict::from_score(self.score, self.num_open())
     }
 }
 

@@ -24,7 +24,7 @@ impl LineCheckSummary {
         Self {
             verdict: check.verdict(),
             found: check.found,
-            open: check.found + check.bare,
+            open: check.num_open(),
             offset_px,
         }
     }
