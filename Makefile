@@ -22,7 +22,7 @@ VIDEO_PACKAGES = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats python check schema dist dist-test opencv bench no-click reliability season-test fuzz demo film pictures experiments experiments-real build-packages run-packages
+.PHONY: help run test test-formats python check schema dist dist-test opencv bench no-click reliability season-test fuzz demo film pictures laboratory experiments experiments-real build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -50,8 +50,8 @@ python: build-packages ## the Python module, tested with PYTHONS="python3" (seve
 
 check: build-packages ## formatting, lints and documentation, warnings refused
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets --features experiments -- -D warnings
-	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --features experiments
+	cargo clippy --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
 schema: build-packages ## make the JSON Schema of documents from their types again
 	cargo run --quiet --no-default-features --features schema --bin document-schema > target/touchline.schema.json
@@ -102,10 +102,20 @@ pictures: build-packages ## take the pictures of the user guide and of README in
 # What the reports say they were built from.
 experiments experiments-real: export TOUCHLINE_COMMIT = $(shell git describe --always --dirty 2>/dev/null)
 
+# Into the folder of the program, which hands `touchline experiment` over to it.
+LABORATORY = --manifest-path tests/laboratory/Cargo.toml --target-dir $(TARGET)
+
+laboratory: build-packages ## lint and test the laboratory, which measures the paper's tables and figures (tests/laboratory/README.md)
+	cargo fmt --manifest-path tests/laboratory/Cargo.toml --check
+	cargo clippy $(LABORATORY) --all-targets -- -D warnings
+	cargo test $(LABORATORY)
+	tests/experiments/recompute.py
+
 experiments: build-packages ## measure the paper's tables and figures again, into tests/experiments
-	cargo build --release --features experiments
+	cargo build --release
+	cargo build --release $(LABORATORY)
 	rm -rf target/experiments
-	cargo run --release --quiet --features experiments -- experiment all -o target/experiments
+	cargo run --release --quiet -- experiment all -o target/experiments
 	mkdir -p tests/experiments && cd tests/experiments && rm -f *.md *.csv *.csv.gz *.svg *.png
 	cd target/experiments && gzip -9 -n *-frames.csv *-cameras.csv *-pictures.csv
 	cd target/experiments && cp README.md README-times.md *-sheet.png *.svg *.csv *.csv.gz ../../tests/experiments/
@@ -116,12 +126,13 @@ experiments: build-packages ## measure the paper's tables and figures again, int
 # `touchline experiment --help` names. No picture of it is kept.
 experiments-real: build-packages ## the same on real data, into tests/experiments/real: make experiments-real DATA=DIR
 	@test -n "$(DATA)" || { echo "give the folder of the data: make experiments-real DATA=DIR"; exit 2; }
-	cargo build --release --features experiments
+	cargo build --release
+	cargo build --release $(LABORATORY)
 	rm -rf target/real && mkdir -p target/real
 	for clicks in $(DATA)/*/clicks.json; do \
-	    cargo run --release --quiet --features experiments -- refine-base $$clicks -o target/real/$$(basename $$(dirname $$clicks)).json || exit 1; \
+	    cargo run --release --quiet -- refine-base $$clicks -o target/real/$$(basename $$(dirname $$clicks)).json || exit 1; \
 	done
-	cargo run --release --quiet --features experiments -- experiment all --data $(DATA) -o target/real/report \
+	cargo run --release --quiet -- experiment all --data $(DATA) -o target/real/report \
 	    $$(for document in target/real/*.json; do echo --train $$document; done)
 	rm -rf tests/experiments/real && mkdir -p tests/experiments/real
 	cd target/real/report && gzip -9 -n *-frames.csv

@@ -23,9 +23,10 @@
 //! Results are plain values that serde writes; their keys carry the units. Options are structs with
 //! documented defaults, made with `..Default::default()`; errors and other enums that grow are
 //! `#[non_exhaustive]`. `tests/examples` has complete programs. Without default features neither
-//! wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`,
-//! `experiments`, `jobs`, `render`, `report`, `scene`, `season`, `ui`) are public for its binary and tests
-//! alone and may change at any time.
+//! wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`, `jobs`,
+//! `render`, `report`, `scene`, `season`, `ui`) are public for its binary and tests alone and may
+//! change at any time. `tests/laboratory` measures the paper's tables and figures again, as a program
+//! of its own on this library.
 //!
 //! # Crates, rooms and floors
 //!
@@ -37,7 +38,6 @@
 //! |---|---|
 //! | `touchline` | `ui`, `cli` |
 //! | `touchline-python` | the library as a Python module |
-//! | `touchline-experiments` | the paper's tables and figures, measured again |
 //! | `touchline-application` | `app` (the whole application without a window), `jobs` (the only detached threads), `render` (wgpu, no egui), `scene` (what is drawn, as plain data) |
 //! | `touchline-season` | `season` (a season of matches in shards that any engine runs: plan, shard, collect) |
 //! | `touchline-calibration` | [`calibrate`] (document to solved document), [`autocalibrate`] (the base of a rotating camera from its frames alone), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`pipelines`] (whole jobs that window and command line share) |
@@ -79,9 +79,6 @@ pub use touchline_core::{
 pub use touchline_documents::report;
 #[doc(inline)]
 pub use touchline_documents::{document, exchange, store};
-#[cfg(feature = "experiments")]
-#[doc(hidden)]
-pub use touchline_experiments as experiments;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub use touchline_season as season;

@@ -56,7 +56,7 @@ enum Command {
     Check(check::CheckArgs),
     Collect(season::collect::CollectArgs),
     Evaluate(measuring::evaluate::EvaluateArgs),
-    #[cfg_attr(not(feature = "experiments"), command(hide = true))]
+    #[command(hide = true)]
     Experiment(measuring::experiment::ExperimentArgs),
     Export(Box<export::ExportArgs>),
     Fields(fields::FieldsArgs),
@@ -146,7 +146,7 @@ pub fn run() -> Next {
         Command::Check(args) => check::check(&args, messages),
         Command::Collect(args) => season::collect::collect(&args, messages),
         Command::Evaluate(args) => measuring::evaluate::evaluate(&args, messages),
-        Command::Experiment(args) => measuring::experiment::experiment(&args, messages),
+        Command::Experiment(args) => measuring::experiment::experiment(&args),
         Command::Export(args) => export::export(&args, messages),
         Command::Fields(args) => fields::fields(&args, messages),
         Command::Import(args) => import::import(&args, messages),

@@ -17,14 +17,13 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// The crates by their folders, lowest first.
-pub const CRATES: [&str; 9] = [
+pub const CRATES: [&str; 8] = [
     "src/core",
     "src/vision",
     "src/documents",
     "src/calibration",
     "src/season",
     "src/application",
-    "src/experiments",
     "src/python",
     "src",
 ];
@@ -60,7 +59,7 @@ const FENCES: &[Fence] = &[
     ),
     (
         &["nalgebra"],
-        &["core", "vision", "documents", "calibration", "experiments"],
+        &["core", "vision", "documents", "calibration"],
         "the program does no mathematics of its own",
     ),
     (
@@ -102,9 +101,6 @@ const FILES: &[&str] = &[
     "documents/exchange",
     "application/jobs",
     "cli",
-    "experiments/given.rs",
-    "experiments/studies/homographies/read.rs",
-    "experiments/sets/published.rs",
     "season",
 ];
 
@@ -164,13 +160,9 @@ pub fn crates() -> &'static [SourceMap] {
     &MAPS
 }
 
-/// The crates whose `lib.rs` has a table of floors: the experiments are one room.
+/// The floors that the `lib.rs` of each crate draws, and its sources.
 fn plans() -> impl Iterator<Item = (Plan, &'static SourceMap)> {
-    let drawn = CRATES
-        .iter()
-        .zip(crates())
-        .filter(|(folder, _)| **folder != "src/experiments");
-    drawn.map(|(folder, map)| {
+    CRATES.iter().zip(crates()).map(|(folder, map)| {
         (
             Plan::read(&read(&Path::new(folder).join("lib.rs")).unwrap()),
             map,

@@ -11,16 +11,7 @@ use touchline::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline::solve::{Observation, SolveContext, solve_frame};
 
 /// Rooms of the program: public for its binary and tests only.
-const HIDDEN: [&str; 8] = [
-    "app",
-    "cli",
-    "experiments",
-    "jobs",
-    "render",
-    "report",
-    "scene",
-    "ui",
-];
+const HIDDEN: [&str; 7] = ["app", "cli", "jobs", "render", "report", "scene", "ui"];
 /// A crate of the program, hidden as a whole.
 const HIDDEN_CRATE: &str = "src/season";
 /// Everything else that can be named from outside, a line each.

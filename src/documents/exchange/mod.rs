@@ -31,9 +31,6 @@ mod tests;
 mod timecode;
 
 pub use about::About;
-#[cfg(any(test, feature = "testing"))]
-#[doc(hidden)]
-pub use authors_mat::writer as mat_writer;
 pub use authors_mat::{
     AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder,
     read_authors_sequence,

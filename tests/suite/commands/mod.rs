@@ -7,12 +7,10 @@ mod cli_documents;
 mod dataset_command;
 mod evaluate_command;
 mod exchange_commands;
-mod experiment_command;
 mod fields_command;
 mod mend_command;
 mod merge_command;
-#[cfg(not(feature = "experiments"))]
-mod no_experiments;
+mod no_laboratory;
 pub mod refine_base_command;
 pub mod relocalize_command;
 mod season_commands;

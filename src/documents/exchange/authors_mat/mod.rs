@@ -22,7 +22,7 @@ mod mat_value;
 mod sequence;
 #[cfg(test)]
 mod tests;
-#[cfg(any(test, feature = "testing"))]
+#[cfg(test)]
 #[allow(
     clippy::unwrap_used,
     clippy::must_use_candidate,

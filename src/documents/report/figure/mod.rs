@@ -18,8 +18,10 @@ mod svg;
 mod ticks;
 mod typeface;
 
-pub(super) use raster::{SCALE, png_with_background};
-pub(super) use shape::{Anchor, Drawing, Rgb, Shape};
+#[doc(hidden)]
+pub use raster::{SCALE, png_with_background};
+#[doc(hidden)]
+pub use shape::{Anchor, Drawing, Rgb, Shape};
 pub use ticks::Ruler;
 
 use thiserror::Error;
