@@ -52,7 +52,10 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
 
     let planned = run("plan season.toml -o plan.json");
     assert_eq!(planned.code, 0, "{}", planned.stderr);
-    assert!(path("match.mp4.touchline").exists(), "the hash is kept");
+    assert!(
+        path("match.mp4.touchline-hash").exists(),
+        "the hash is kept"
+    );
     let plan = Plan::read(&path("plan.json")).unwrap();
     let ends = plan.matches[0].labels.iter();
     let ends: Vec<_> = ends.map(|label| (label.first, label.last)).collect();

@@ -41,7 +41,8 @@ impl Stream {
         // Both a failure that `ffprobe` states by its exit code and an output without a video mean
         // that the file is none; only a program that does not run or end is a failure of the
         // reader.
-        let described = output.and_then(|output| Self::from_properties(demuxer, &Properties::read(&output)));
+        let described =
+            output.and_then(|output| Self::from_properties(demuxer, &Properties::read(&output)));
         described.ok_or_else(|| MediaError::NotAVideo {
             path: path.to_path_buf(),
         })
