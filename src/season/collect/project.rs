@@ -164,10 +164,8 @@ impl MatchToCollect<'_> {
         }
         let (updated, history) = match camera_with_other_base(&document, &made) {
             None => merge_parts(&document, history, &made),
-            // Nobody has worked with the other base, or without one.
-            Some(_) if history.is_empty() && record.is_untouched(self.folder, &document) => {
-                (made, history)
-            }
+            // No person has worked with the other base, or without one.
+            Some(_) if history.is_empty() && record.is_untouched(&document) => (made, history),
             Some(camera) => {
                 let base = document.camera(&camera).and_then(Camera::base);
                 let base = base.map_or("no base, unlike", |_| "another base than");
@@ -178,10 +176,10 @@ impl MatchToCollect<'_> {
                 return Ok((document, Some(why)));
             }
         };
-        let is_untouched = record.is_untouched(self.folder, &document);
         record.remember(self.folder, self.of_match);
         if updated != document {
             // Only a project that no person has worked in is untouched afterwards.
+            let is_untouched = record.is_untouched(&document);
             if is_untouched {
                 record.announce(self.output, self.folder, &updated)?;
             }

@@ -155,7 +155,7 @@ impl Record {
     }
 
     /// Writes the record.
-    pub(super) fn write(&mut self, output: &Path) -> Result<(), CollectError> {
+    pub(super) fn write(&self, output: &Path) -> Result<(), CollectError> {
         let path = output.join(RECORD_FILE);
         // Texts and numbers always become JSON.
         let text = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
@@ -163,11 +163,11 @@ impl Record {
             .map_err(|source| CollectError::from_io("write", &path, source))
     }
 
-    /// Whether the document of a match is as it was written.
-    pub(super) fn is_untouched(&self, folder: &str, document: &Document) -> bool {
-        let recorded = self.matches.get(folder);
+    /// Whether a document is as it was written, whatever its folder was called then.
+    pub(super) fn is_untouched(&self, document: &Document) -> bool {
         let hash = hash_of(document);
-        recorded.is_some_and(|recorded| hash.is_some_and(|hash| recorded.documents.contains(&hash)))
+        let mut written = self.matches.values().map(|recorded| &recorded.documents);
+        hash.is_some_and(|hash| written.any(|documents| documents.contains(&hash)))
     }
 
     /// The folder of a match: that of its name, unless its frames were collected under a name that

@@ -68,8 +68,8 @@ fn container_by_head(head: &[u8]) -> Option<Container> {
     // The backend of OpenCV cannot be given a demuxer. Its text demuxers read up to the first zero
     // byte, so no list may begin before it.
     let text = head.split(|byte| *byte == 0).next().unwrap_or_default();
-    let has_list = |list: &&[u8]| text.windows(list.len()).any(|part| part == *list);
-    if LISTS.iter().any(|list| has_list(&list)) {
+    let has = |list: &[u8]| text.windows(list.len()).any(|part| part == list);
+    if LISTS.iter().any(|list| has(list)) {
         return None;
     }
     let (kind, demuxer) = if is_mp4(head) {
