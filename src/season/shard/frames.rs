@@ -29,10 +29,10 @@ impl OpenSource {
         };
         Ok(Self {
             frames,
-            file_id,
             number_of_image,
             folder,
             name,
+            file_id,
         })
     }
 
