@@ -69,8 +69,8 @@ pub struct ExportArgs {
     /// What happens to keypoints outside of the picture.
     #[arg(long, default_value = "drop", value_parser = ["drop", "keep"])]
     outside: String,
-    /// Up to so many frames that are missing between solved frames of a video get cameras between
-    /// theirs, marked as interpolated.
+    /// Up to so many frames that are missing between solved frames of a video, camera and clip get
+    /// cameras between theirs, marked as interpolated.
     #[arg(long, value_name = "FRAMES", conflicts_with = "takes", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     interpolate: Option<u64>,
     /// A gap between the frames of a video begins a new take, in a file of its own.

@@ -1,10 +1,11 @@
 //! Hash and length of a match's frames, kept beside them.
 //!
 //! Hashing a match of several gigabytes takes seconds to minutes, and counting its frames, too.
-//! Both are written into a small file beside the video or folder (`match.mp4.touchline`), with the
-//! names, sizes and times of the files that they are of. As long as these are the same, nothing is
-//! read again. The file may be deleted at any time; where it cannot be written, each run hashes
-//! anew.
+//! Both are written into a small file beside the video or folder (`match.mp4.touchline-hash`), with
+//! the names, sizes and times of the files that they are of. As long as these are the same, nothing
+//! is read again. The file may be deleted at any time; where it cannot be written, each run hashes
+//! anew. Earlier versions named it as the window names the project of a video, which is a folder;
+//! what they kept is moved to its new name.
 
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -13,12 +14,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use thiserror::Error;
+use touchline_core::files::PROJECT_SUFFIX;
 use touchline_documents::document::generator;
 use touchline_documents::store::write_atomically;
 use touchline_vision::media::{FrameSource, MediaError, sha256_of_bytes, sha256_of_file};
 
 /// What is appended to the name of a video or folder for its kept hash.
-const SUFFIX: &str = ".touchline";
+const SUFFIX: &str = ".touchline-hash";
 
 /// A file that changed less than this before it was hashed is hashed again the next time: a second
 /// change within the clock's tick would not be noticed.
@@ -87,7 +89,8 @@ struct Kept {
 pub fn examine_source(path: &Path) -> Result<SourceState, SourceError> {
     // Names, sizes and times are read before the contents and again after them. A change in between
     // then shows, and the hash is not kept.
-    let kept_at = sidecar_path(path);
+    let kept_at = sidecar_path(path, SUFFIX);
+    move_kept(&sidecar_path(path, PROJECT_SUFFIX), &kept_at);
     let files = files_of(path)?;
     if let Some(kept) = read_kept(&kept_at)
         && kept.files == files.hash
@@ -146,10 +149,19 @@ pub fn place_of_source(path: &Path) -> Result<(PathBuf, String), SourceError> {
     Ok((folder.to_path_buf(), name.to_owned()))
 }
 
-fn sidecar_path(path: &Path) -> PathBuf {
+/// Moves what an earlier version kept to its new name, unless there is something.
+fn move_kept(from: &Path, to: &Path) {
+    // Any other file of this name is not the program's. Where it cannot be moved, the frames are
+    // hashed again.
+    if read_kept(from).is_some() && !to.exists() {
+        let _ = fs::rename(from, to);
+    }
+}
+
+fn sidecar_path(path: &Path, suffix: &str) -> PathBuf {
     // By its components: behind a final separator the suffix would name a file in the folder.
     let mut name = path.components().as_path().as_os_str().to_owned();
-    name.push(SUFFIX);
+    name.push(suffix);
     PathBuf::from(name)
 }
 
@@ -219,8 +231,8 @@ mod tests {
     #[test]
     fn a_kept_hash_lies_beside_a_folder_with_a_final_separator() {
         for folder in ["season/images", "season/images/", "season/images/."] {
-            let kept = sidecar_path(Path::new(folder));
-            assert_eq!(kept, Path::new("season/images.touchline"), "{folder}");
+            let kept = sidecar_path(Path::new(folder), SUFFIX);
+            assert_eq!(kept, Path::new("season/images.touchline-hash"), "{folder}");
         }
     }
 
@@ -232,7 +244,9 @@ mod tests {
         for name in ["1.png", "2.png"] {
             image::RgbImage::new(8, 8).save(images.join(name)).unwrap();
         }
-        let kept = folder.path().join("images.touchline");
+        let kept = folder.path().join("images.touchline-hash");
+        let project = folder.path().join("images.touchline");
+        fs::create_dir(&project).unwrap();
         let state = examine_source(&images).unwrap();
         assert_eq!((state.num_frames, state.fps), (2, None));
         assert!(!kept.exists(), "the files changed just now");
@@ -245,6 +259,11 @@ mod tests {
         let marked = text.replace(&state.sha256, "kept");
         fs::write(&kept, marked).unwrap();
         assert_eq!(examine_source(&images).unwrap().sha256, "kept");
+        // The name of an earlier version, which leaves no place for the project.
+        fs::remove_dir(&project).unwrap();
+        fs::rename(&kept, &project).unwrap();
+        assert_eq!(examine_source(&images).unwrap().sha256, "kept");
+        assert!(kept.exists() && !project.exists());
 
         image::RgbImage::new(9, 9)
             .save(images.join("2.png"))

@@ -98,6 +98,9 @@ fn each_broken_video_has_its_message() {
     let codec = box_at(&fast, *b"stsd") + 16;
     let concat_list = b"ffconcat version 1.0\nfile made-a.mp4\n";
     let play_list = b"#EXTM3U\n#EXT-X-TARGETDURATION:4\n#EXTINF:4,\nmade-a.mp4\n#EXT-X-ENDLIST\n";
+    // Demuxers of lists that `ffmpeg` would guess, although a byte in them is no text.
+    let marked_list =
+        b"#EXTM3U\n#\x01\n#EXT-X-TARGETDURATION:4\n#EXTINF:4,\nmade-a.mp4\n#EXT-X-ENDLIST\n";
     let noise = (0..100_000_u32)
         .map(|index| (index.wrapping_mul(2_654_435_761) >> 13) as u8)
         .collect();
@@ -118,6 +121,7 @@ fn each_broken_video_has_its_message() {
         ),
         ("list.ffconcat", Some(concat_list.to_vec()), NOT_A_VIDEO),
         ("list.m3u8", Some(play_list.to_vec()), NOT_A_VIDEO),
+        ("marked-list.mp4", Some(marked_list.to_vec()), NOT_A_VIDEO),
         ("zeros.mp4", Some(vec![0; 100_000]), NOT_A_VIDEO),
         ("noise.mp4", Some(noise), NOT_A_VIDEO),
         ("no-index.mp4", Some(cut(&mp4, moov)), NOT_A_VIDEO),

@@ -52,7 +52,10 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
 
     let planned = run("plan season.toml -o plan.json");
     assert_eq!(planned.code, 0, "{}", planned.stderr);
-    assert!(path("match.mp4.touchline").exists(), "the hash is kept");
+    assert!(
+        path("match.mp4.touchline-hash").exists(),
+        "the hash is kept"
+    );
     let plan = Plan::read(&path("plan.json")).unwrap();
     let ends = plan.matches[0].labels.iter();
     let ends: Vec<_> = ends.map(|label| (label.first, label.last)).collect();
@@ -90,4 +93,29 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
     assert_eq!(refused.code, 2);
     let said = "match.mp4 changed after the plan was made";
     assert!(refused.stderr.contains(said), "{}", refused.stderr);
+
+    // Planned again, it is another video than the one that was labelled.
+    let before = fs::read(path("out/match/project.json")).unwrap();
+    let planned = run("plan season.toml -o plan.json --force");
+    assert_eq!(planned.code, 0, "{}", planned.stderr);
+    let plan = Plan::read(&path("plan.json")).unwrap();
+    for id in plan.shard_ids() {
+        assert_eq!(run(&format!("shard plan.json {id} -o parts")).code, 0);
+    }
+    let collected = run("collect plan.json parts -o out");
+    let said = "match: its project was left as it is: match.mp4 is another video";
+    assert!(
+        collected.code == 1 && collected.stderr.contains(said),
+        "{}",
+        collected.stderr
+    );
+    assert!(fs::read(path("out/match/project.json")).unwrap() == before);
+    let checked = run("check out/match");
+    let said = format!("{}{}", checked.stdout, checked.stderr);
+    let times = said.matches("is another video than the one that was labelled");
+    assert!(checked.code == 1 && times.count() == 1, "{said}");
+    let exported = run("export out/match --dataset set --status suggested --outside-pictures");
+    assert_ne!(exported.code, 0);
+    let said = "its video is not the one that was labelled";
+    assert!(exported.stderr.contains(said), "{}", exported.stderr);
 }

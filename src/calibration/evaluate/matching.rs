@@ -59,8 +59,13 @@ fn index_by(
     by_key
 }
 
-/// Whether two frames may show the same picture: their SHA-256 are equal, or one is not stated.
+/// Whether two frames may show the same picture: their SHA-256 and what their videos are recognised
+/// by are equal, or one is not stated.
 fn may_be_same_picture(a: &Frame, b: &Frame) -> bool {
+    let videos = a.video.as_ref().zip(b.video.as_ref());
+    if videos.is_some_and(|(a, b)| a.is_of_other_file(b.file_id.as_deref())) {
+        return false;
+    }
     a.sha256
         .as_ref()
         .zip(b.sha256.as_ref())

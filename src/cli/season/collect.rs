@@ -54,6 +54,13 @@ pub fn collect(args: &CollectArgs, messages: Messages) -> anyhow::Result<Outcome
             CollectEvent::LeftAlone { name, why } => {
                 messages.frame_failed(&name, &format!("its project was left as it is: {why}"));
             }
+            CollectEvent::Renamed { name, folder } => messages.note(&format!(
+                "{name}: its frames were collected as {folder}; its project stays in that folder, \
+                 which may be renamed"
+            )),
+            CollectEvent::NotInPlan { folder } => messages.note(&format!(
+                "{folder}: no match of this plan; its project stays and is not in {QUEUE_FILE}"
+            )),
             CollectEvent::NotOfPlan { path } => messages.note(&format!(
                 "{}: no shard of this plan; it is not used",
                 path.display()

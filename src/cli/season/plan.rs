@@ -106,6 +106,12 @@ fn quote(path: &Path) -> anyhow::Result<String> {
             path.display()
         )
     })?;
+    // A line is a command, and what begins with a dash is an option.
+    if text.contains(['\n', '\r']) {
+        anyhow::bail!("{text:?}: --commands cannot name it, for it has a line break; rename it");
+    }
+    let dashed = text.starts_with('-').then(|| format!("./{text}"));
+    let text = dashed.as_deref().unwrap_or(text);
     let is_plain = text
         .chars()
         .all(|character| character.is_ascii_alphanumeric() || "/._-+,:@%".contains(character));
@@ -127,9 +133,17 @@ mod tests {
             ("my plan.json", "'my plan.json'"),
             ("it's", r"'it'\''s'"),
             ("$HOME", "'$HOME'"),
+            ("-plan.json", "./-plan.json"),
+            ("-my plan", "'./-my plan'"),
         ] {
             assert_eq!(quote(Path::new(path)).unwrap(), quoted);
         }
+    }
+
+    #[test]
+    fn a_path_of_two_lines_is_refused() {
+        let error = quote(Path::new("a\nb.json")).unwrap_err().to_string();
+        assert!(error.ends_with("it has a line break; rename it"), "{error}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::{Camera, CameraId, Document, FieldSpec, Frame, VideoFrame, path_betwe
 use rayon::prelude::*;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
 use touchline_vision::media::{self, FrameSource, MediaError, VideoInfo};
@@ -87,8 +88,13 @@ impl NewDocument {
     ) {
         let camera = self.camera_of_size(info.size);
         let path = relative(folder, &info.path);
+        // Without it the frames are only not compared with their video later.
+        let file_id = media::video_file_id(&info.path).ok().map(Arc::from);
         for index in (0..info.decoded_frames).step_by(every.get()) {
-            let video = VideoFrame::new(&path, index as u64, info.pts_s(index));
+            let video = VideoFrame {
+                file_id: file_id.clone(),
+                ..VideoFrame::new(&path, index as u64, info.pts_s(index))
+            };
             self.document
                 .frames
                 .push(Frame::from_video(video, camera.clone(), info.size).into());

@@ -217,6 +217,19 @@ pub enum ExchangeError {
         /// The other.
         second: String,
     },
+    /// Frames of two videos or folders would be one sequence.
+    #[error(
+        "{first} and {second} would be in one sequence, and {format} names neither video nor folder; \
+         export them one camera or folder at a time"
+    )]
+    MixedSequence {
+        /// The format.
+        format: Format,
+        /// One frame.
+        first: String,
+        /// The other.
+        second: String,
+    },
     /// A frame cannot be expressed in the format.
     #[error("{frame} cannot be written as {format}: {why}")]
     CannotHold {

@@ -38,6 +38,15 @@ pub enum CollectError {
         /// The output.
         output: PathBuf,
     },
+    /// A file there has the name of one that is to be written, and is not as it was written.
+    #[error(
+        "{} is not as touchline collect wrote it and would be replaced; move it away or give another -o",
+        path.display()
+    )]
+    OtherFile {
+        /// The file.
+        path: PathBuf,
+    },
     /// Another process collects into the same folder.
     #[error(
         "another touchline collects into {} ({holder}); wait until it has ended",

@@ -4,12 +4,14 @@
 //! OUT/NAME/project.json   one project for each match, with all suggestions
 //! OUT/queue.json          the frames to look at, worst first
 //! OUT/season.csv, .md     a row for each match
+//! OUT/collected.json      what was written, and from which frames
 //! ```
 //!
 //! Parts may be collected while others are still being made, and again later. A project that is
 //! there already is brought up to date: what a person did in a frame stays, and only frames that
 //! show a suggestion, or nothing, take that of the parts (`project`). A project that is open in the
-//! window, or in which a camera has another base than in the parts, is left alone and named.
+//! window, that is of another video, or in which a person works with another base than that of the
+//! parts, is left alone and named. No file is replaced that is not as it was written (`record`).
 //!
 //! Only parts are read, no videos. What has no whole part is a gap: it is named, its frames are not
 //! in the project, and the table counts them.
@@ -17,6 +19,7 @@
 mod error;
 mod project;
 mod queue;
+mod record;
 mod table;
 
 pub use error::CollectError;
@@ -24,14 +27,15 @@ pub use queue::{Queue, QueueEntry, QueueError};
 
 use crate::part::shard_of_path;
 use crate::plan::Plan;
-use crate::season_file::{LOCK_FILE, QUEUE_FILE, TABLE_FILES};
+use crate::season_file::{LOCK_FILE, QUEUE_FILE, RECORD_FILE, TABLE_FILES};
 use project::{CollectedMatch, MatchToCollect};
+use record::Record;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use table::SeasonTable;
 use touchline_core::progress::Progress;
-use touchline_documents::store::{ReadOnly, lock_file, write_atomically};
+use touchline_documents::store::{ReadOnly, lock_file};
 use touchline_vision::relocalize::CERTAIN;
 
 /// Options of collecting.
@@ -67,6 +71,19 @@ pub enum CollectEvent {
         /// Why.
         why: String,
     },
+    /// The frames of a match were collected under another name, in the folder of which its project
+    /// stays.
+    Renamed {
+        /// The match.
+        name: String,
+        /// The folder.
+        folder: String,
+    },
+    /// A match that was collected is no longer in the plan; its project stays.
+    NotInPlan {
+        /// The folder.
+        folder: String,
+    },
     /// A file in the folder of parts is of no shard of this plan. It is not used.
     NotOfPlan {
         /// The part.
@@ -94,8 +111,9 @@ pub struct Collected {
 /// Collects the parts of a plan at `plan_path` into the folder `output`.
 ///
 /// # Errors
-/// The folder holds other things than a collected season, another process collects into it, or
-/// something cannot be written. Projects that were written before stay.
+/// The folder holds other things than a collected season, or a file that would be replaced and is
+/// not as it was written; another process collects into it, or something cannot be written. Projects
+/// that were written before stay.
 pub fn collect(
     plan_path: &Path,
     plan: &Plan,
@@ -123,6 +141,8 @@ pub fn collect(
             reason,
         },
     })?;
+    let mut record = Record::from_folder(output)?;
+    record.write(output)?;
     report_parts_of_others(plan, parts, progress)?;
 
     // Projects are written match by match, so that only one is in memory. Queue and table come
@@ -130,33 +150,46 @@ pub fn collect(
     let mut collected = Collected::default();
     let mut queue = Queue::new(options.below);
     let mut table = SeasonTable::new();
+    let in_plan: BTreeSet<&str> = plan.matches.iter().map(|of| of.name.as_str()).collect();
+    let mut used = BTreeSet::new();
     for of_match in &plan.matches {
+        let folder = record.folder_of(output, of_match, &in_plan);
+        if folder != of_match.name {
+            let (name, folder) = (of_match.name.clone(), folder.clone());
+            let _ = progress.report(CollectEvent::Renamed { name, folder });
+        }
         let to_collect = MatchToCollect {
             plan_path,
             of_match,
             parts,
             output,
+            folder: &folder,
         };
-        let found = to_collect.collect(progress)?;
+        let found = to_collect.collect(&mut record, progress)?;
         collected.add(&found);
         if let Some(document) = &found.document {
-            queue.add_match(&of_match.name, document);
+            queue.add_match(&of_match.name, &folder, document);
         }
+        used.insert(folder);
         table.add(of_match, &found, parts, options.below);
         if progress.report(CollectEvent::Match).is_break() {
             return Err(CollectError::Stopped);
         }
     }
+    for folder in record.folders_beside(output, &used) {
+        let _ = progress.report(CollectEvent::NotInPlan { folder });
+    }
     queue.sort();
     collected.queued = queue.entries().len();
-    write(&output.join(QUEUE_FILE), &queue.to_text())?;
+    record.write_file(output, QUEUE_FILE, &queue.to_text())?;
     let table = table.finish();
     for (file, text) in TABLE_FILES
         .iter()
         .zip([table.to_csv(), table.to_markdown()])
     {
-        write(&output.join(file), &text)?;
+        record.write_file(output, file, &text)?;
     }
+    record.write(output)?;
     Ok(collected)
 }
 
@@ -173,7 +206,7 @@ impl Collected {
     }
 }
 
-/// Refuses a folder that holds something, but no queue of an earlier collection.
+/// Refuses a folder that holds something, but nothing of an earlier collection.
 fn refuse_other_folder(output: &Path) -> Result<(), CollectError> {
     let mut entries = match fs::read_dir(output) {
         Ok(entries) => entries,
@@ -187,13 +220,12 @@ fn refuse_other_folder(output: &Path) -> Result<(), CollectError> {
             });
         }
     };
-    // A first collection that was killed, or is going on, has left at least its lock. Snakemake
-    // deletes the queue before it collects again.
-    let is_season = [QUEUE_FILE, LOCK_FILE]
+    // A first collection that was killed, or is going on, has left at least its lock. Earlier
+    // versions kept no record. The names of other files say nothing.
+    let is_season = [RECORD_FILE, LOCK_FILE]
         .iter()
-        .chain(&TABLE_FILES)
         .any(|file| output.join(file).exists());
-    if is_season || entries.next().is_none() {
+    if is_season || Queue::is_at(&output.join(QUEUE_FILE)) || entries.next().is_none() {
         return Ok(());
     }
     Err(CollectError::OtherFolder {
@@ -220,9 +252,4 @@ fn report_parts_of_others(
         let _ = progress.report(CollectEvent::NotOfPlan { path });
     }
     Ok(())
-}
-
-fn write(path: &Path, text: &str) -> Result<(), CollectError> {
-    write_atomically(path, text.as_bytes())
-        .map_err(|source| CollectError::from_io("write", path, source))
 }

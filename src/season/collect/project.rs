@@ -5,6 +5,7 @@
 //! 2. If the season was collected before, the project of then is the one that stays: new frames are
 //!    put between its own, and frames without a person's work take the suggestions of the parts.
 
+use super::record::Record;
 use super::{CollectError, CollectEvent};
 use crate::part::{Part, PartError};
 use crate::plan::{LabelShard, PlannedMatch, path_in_plan};
@@ -25,6 +26,8 @@ pub(super) struct MatchToCollect<'a> {
     pub(super) of_match: &'a PlannedMatch,
     pub(super) parts: &'a Path,
     pub(super) output: &'a Path,
+    /// The name of its folder in there.
+    pub(super) folder: &'a str,
 }
 
 /// What was collected of a match.
@@ -44,11 +47,12 @@ impl MatchToCollect<'_> {
     /// Collects the parts of the match and writes its project, unless it is as it should be.
     pub(super) fn collect(
         &self,
+        record: &mut Record,
         progress: &Progress<'_, CollectEvent>,
     ) -> Result<CollectedMatch, CollectError> {
         let name = &self.of_match.name;
         let mut collected = CollectedMatch::default();
-        let folder = self.output.join(name);
+        let folder = self.output.join(self.folder);
         let is_there = folder.join(PROJECT_FILE).exists();
         let found = match Part::read(self.parts, &self.of_match.find) {
             Ok(found) => found,
@@ -80,12 +84,15 @@ impl MatchToCollect<'_> {
         let location = Location::for_new_document(&folder.join(""))?;
         let made = made.relocate(&self.source_folder(), location.folder());
         if !is_there {
+            record.remember(self.folder, self.of_match);
+            record.announce(self.output, self.folder, &made)?;
             write_document(&location, &made, false)?;
+            record.confirm(self.folder, &made);
             collected.document = Some(made);
             return Ok(collected);
         }
         let before = open(&folder)?;
-        let (document, left) = bring_up_to_date(before, &made)?;
+        let (document, left) = self.bring_up_to_date(before, made, record)?;
         collected.is_left_alone = left.is_some();
         if let Some(why) = left {
             let name = name.clone();
@@ -129,6 +136,59 @@ impl MatchToCollect<'_> {
         }
         self.report_gap(gap, progress);
         frames
+    }
+
+    /// Brings a project that was collected before up to date and writes it. Returns the project,
+    /// and why it was left as it is, if it was.
+    fn bring_up_to_date(
+        &self,
+        before: Opened,
+        made: Document,
+        record: &mut Record,
+    ) -> Result<(Document, Option<String>), CollectError> {
+        let Opened {
+            document,
+            history,
+            access,
+            ..
+        } = before;
+        // The lock of the store keeps the window out until the project is written.
+        let mut store = match access {
+            Access::Writable(store) => store,
+            Access::ReadOnly(reason) => return Ok((document, Some(format!("it is {reason}")))),
+        };
+        let is_video = made.frames.iter().any(|frame| frame.video.is_some());
+        let foreign = record.why_foreign(self.folder, self.of_match, is_video);
+        if let Some(why) = foreign.or_else(|| why_other_pictures(&document, &made)) {
+            return Ok((document, Some(why)));
+        }
+        let (updated, history) = match camera_with_other_base(&document, &made) {
+            None => merge_parts(&document, history, &made),
+            // No person has worked with the other base, or without one.
+            Some(_) if history.is_empty() && record.is_untouched(&document) => (made, history),
+            Some(camera) => {
+                let base = document.camera(&camera).and_then(Camera::base);
+                let base = base.map_or("no base, unlike", |_| "another base than");
+                let why = format!(
+                    "camera {} has {base} in the parts; move its folder away to collect it anew",
+                    camera.as_str()
+                );
+                return Ok((document, Some(why)));
+            }
+        };
+        record.remember(self.folder, self.of_match);
+        if updated != document {
+            // Only a project that no person has worked in is untouched afterwards.
+            let is_untouched = record.is_untouched(&document);
+            if is_untouched {
+                record.announce(self.output, self.folder, &updated)?;
+            }
+            store.save(&updated, &history)?;
+            if is_untouched {
+                record.confirm(self.folder, &updated);
+            }
+        }
+        Ok((updated, None))
     }
 
     fn report_gap(&self, gap: Option<Gap<'_>>, progress: &Progress<'_, CollectEvent>) {
@@ -175,40 +235,54 @@ const fn is_missing(why: &PartError) -> bool {
     matches!(why, PartError::Missing { .. })
 }
 
-/// Brings a project that was collected before up to date and writes it. Returns the project, and
-/// why it was left as it is, if it was.
-fn bring_up_to_date(
-    before: Opened,
+/// A project with the frames of the parts. Collecting is no step of a person: it happened before all
+/// of them, so that undoing one leads to a state that has the new frames, too.
+fn merge_parts(
+    document: &Document,
+    mut history: History<Document>,
     made: &Document,
-) -> Result<(Document, Option<String>), CollectError> {
-    let Opened {
-        document, access, ..
-    } = before;
-    // The lock of the store keeps the window out until the project is written.
-    let mut store = match access {
-        Access::Writable(store) => store,
-        Access::ReadOnly(reason) => return Ok((document, Some(format!("it is {reason}")))),
-    };
-    if let Some(camera) = camera_with_other_base(&document, made) {
-        let base = document.camera(&camera).and_then(Camera::base);
-        let base = base.map_or("no base, unlike", |_| "another base than");
-        let why = format!(
-            "camera {} has {base} in the parts; move its folder away to collect it anew",
-            camera.as_str()
-        );
-        return Ok((document, Some(why)));
-    }
+) -> (Document, History<Document>) {
     let labelled: Vec<Shared<Frame>> = made.frames.iter().cloned().collect();
-    let updated = Document {
-        frames: merge_frames(&document.frames, &labelled),
-        ..document.clone()
+    let with_parts = |state: &Document| Document {
+        frames: merge_frames(&state.frames, &labelled),
+        ..state.clone()
     };
-    // Collecting is no step of a person, so there is nothing to undo in it, and steps of earlier
-    // sessions lead to a state without the new frames.
-    if updated != document {
-        store.save(&updated, &History::default())?;
+    let updated = with_parts(document);
+    if updated != *document && !history.is_empty() {
+        // Steps hold the work of people alone, without suggestions; states share their frames.
+        let edited = updated.without_suggestions();
+        history.update_states(|state| {
+            let mut state = with_parts(state).without_suggestions();
+            for frame in &mut state.frames {
+                if let Some(known) = edited
+                    .frames
+                    .by_id(&frame.id)
+                    .filter(|known| *known == frame)
+                {
+                    *frame = known.clone();
+                }
+            }
+            state
+        });
     }
-    Ok((updated, None))
+    (updated, history)
+}
+
+/// Why the frames of a project are not those of the parts, although they have the same names; none
+/// if no hash contradicts.
+fn why_other_pictures(document: &Document, made: &Document) -> Option<String> {
+    let other = made.frames.iter().find(|frame| {
+        document.frames.by_id(&frame.id).is_some_and(|known| {
+            let hashes = known.sha256.as_ref().zip(frame.sha256.as_ref());
+            let videos = known.video.as_ref().zip(frame.video.as_ref());
+            hashes.is_some_and(|(known, now)| known != now)
+                || videos.is_some_and(|(known, now)| known.is_of_other_file(now.file_id.as_deref()))
+        })
+    })?;
+    Some(format!(
+        "{} is another picture than when it was collected; move its folder away to collect it anew",
+        other.name()
+    ))
 }
 
 /// A camera of the parts that has another base in the project, or none there: cameras of frames in
@@ -260,31 +334,67 @@ fn update_by_part(frame: &Shared<Frame>, part: &Shared<Frame>) -> Shared<Frame> 
     if let Some(suggestion) = Suggestion::in_frame(part, None) {
         suggestion.show_in(&mut updated);
     } else if !part.is_untouched() {
-        take_label(&mut updated, part);
+        updated = take_label(&updated, part);
     }
+    take_notes(&mut updated, part);
     if updated == **frame {
         return frame.clone();
     }
     updated.into()
 }
 
-/// Gives a frame what a person did in the same frame of another document.
-fn take_label(frame: &mut Frame, labelled: &Frame) {
-    frame.revision = frame.revision.max(labelled.revision);
-    (frame.status, frame.reason) = (labelled.status, labelled.reason);
-    frame.edited.clone_from(&labelled.edited);
-    frame.clicks.clone_from(&labelled.clicks);
-    frame.lens.clone_from(&labelled.lens);
-    frame.ptz.clone_from(&labelled.ptz);
-    frame.solution.clone_from(&labelled.solution);
+/// What a person did in the same frame of another document, as a whole, for a frame that has notes
+/// at most. The frame keeps its picture and shot.
+fn take_label(frame: &Frame, labelled: &Frame) -> Frame {
+    let (clip, sha256) = (frame.clip.as_ref(), frame.sha256.as_ref());
+    Frame {
+        id: frame.id.clone(),
+        revision: frame.revision.max(labelled.revision),
+        image: frame.image.clone(),
+        video: frame.video.clone(),
+        sha256: sha256.or(labelled.sha256.as_ref()).cloned(),
+        clip: clip.or(labelled.clip.as_ref()).cloned(),
+        // What was noted here stays; the caller adds what was noted there.
+        comment: frame.comment.clone(),
+        masks: frame.masks.clone(),
+        repeats: frame.repeats.clone(),
+        use_for_base: frame.use_for_base,
+        use_for_training: frame.use_for_training,
+        gold: frame.gold,
+        ..labelled.clone()
+    }
 }
+
+/// Adds the notes of a person from the same frame of another document, where there are none.
+fn take_notes(frame: &mut Frame, noted: &Frame) {
+    if frame.comment.is_none() {
+        frame.comment.clone_from(&noted.comment);
+    }
+    if frame.masks.is_empty() {
+        frame.masks.clone_from(&noted.masks);
+    }
+    if frame.repeats.is_empty() {
+        frame.repeats.clone_from(&noted.repeats);
+    }
+    if uses(frame) == NO_CHOICE {
+        (frame.use_for_base, frame.use_for_training, frame.gold) = uses(noted);
+    }
+}
+
+/// What a frame is used for: its camera's base, training, blind clicks.
+const fn uses(frame: &Frame) -> (bool, Option<bool>, bool) {
+    (frame.use_for_base, frame.use_for_training, frame.gold)
+}
+
+/// The uses of a frame for which a person chose none.
+const NO_CHOICE: (bool, Option<bool>, bool) = (true, None, false);
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FramePtz, FrameStatus};
+    use touchline_documents::document::{FramePtz, FrameStatus, Step};
 
     fn frame(name: &str, pan_deg: Option<f64>, status: FrameStatus) -> Shared<Frame> {
         let mut frame = Frame::from_image(name, "main".into(), ImageSize::new(64, 36));
@@ -354,6 +464,69 @@ mod tests {
         assert_eq!(
             found,
             [(Reference, Some(2.0)), (Rejected, None), (New, None)]
+        );
+    }
+
+    #[test]
+    fn a_label_is_taken_with_all_that_was_noted_beside_it() {
+        let project: Frames = [
+            frame("a", Some(1.0), FrameStatus::Suggested),
+            frame("b", Some(1.0), FrameStatus::Suggested),
+        ]
+        .into_iter()
+        .collect();
+        let noted = |name: &str, status| {
+            let mut noted = (*frame(name, Some(2.0), status)).clone();
+            noted.comment = Some("left post only".to_owned());
+            noted.masks = vec![touchline_core::geometry::PixelBox {
+                x: 1.0,
+                y: 2.0,
+                width: 3.0,
+                height: 4.0,
+            }];
+            (noted.use_for_base, noted.use_for_training, noted.gold) = (false, Some(false), true);
+            Shared::from(noted)
+        };
+        let mut own = project.clone();
+        own[1].comment = Some("of this project".to_owned());
+        let labelled = [
+            noted("a", FrameStatus::Reference),
+            noted("b", FrameStatus::Suggested),
+        ];
+        let merged = merge_frames(&own, &labelled);
+        assert_eq!(merged[0], labelled[0]);
+        assert_eq!(merged[1].comment.as_deref(), Some("of this project"));
+        assert_eq!(
+            (merged[1].masks.len(), uses(&merged[1])),
+            (1, (false, Some(false), true))
+        );
+    }
+
+    #[test]
+    fn undo_after_collecting_again_leads_to_a_state_with_the_new_frames() {
+        let mut document = Document::new(touchline_documents::document::FieldSpec::new("soccer"));
+        document
+            .frames
+            .push(frame("a", Some(1.0), FrameStatus::Suggested));
+        let mut edited = document.without_suggestions();
+        let mut history = History::default();
+        history.begin(&edited, Step::on_document("Reject"));
+        edited.frames[0].status = FrameStatus::Rejected;
+        history.commit(&edited);
+        document.frames[0] = edited.frames[0].clone();
+        let mut made = document.clone();
+        made.frames = ["a", "b"]
+            .map(|name| frame(name, Some(2.0), FrameStatus::Suggested))
+            .into_iter()
+            .collect();
+        let (updated, mut history) = merge_parts(&document, history, &made);
+        assert_eq!(updated.frames.len(), 2);
+        assert_eq!(updated.frames[0].status, FrameStatus::Rejected);
+        let mut undone = updated.without_suggestions();
+        assert!(history.undo(&mut undone).is_some());
+        assert_eq!(
+            (undone.frames.len(), undone.frames[0].status),
+            (2, FrameStatus::New)
         );
     }
 }

@@ -120,8 +120,8 @@ impl Queue {
         }
     }
 
-    /// Adds the doubtful frames of a match's project.
-    pub(super) fn add_match(&mut self, name: &str, document: &Document) {
+    /// Adds the doubtful frames of a match's project in a folder.
+    pub(super) fn add_match(&mut self, name: &str, folder: &str, document: &Document) {
         let frames: Vec<(usize, &Frame)> = document
             .frames
             .iter()
@@ -145,7 +145,7 @@ impl Queue {
             };
             entries.push(QueueEntry {
                 of_match: name.to_owned(),
-                project: format!("{name}/{PROJECT_FILE}"),
+                project: format!("{folder}/{PROJECT_FILE}"),
                 frame: frame.id.as_str().to_owned(),
                 number: frame.number_at(*position),
                 confidence: confidence_of(frame),
@@ -224,10 +224,10 @@ mod tests {
     fn the_worst_frame_of_each_stretch_is_in_the_queue_worst_first() {
         let mut queue = Queue::new(0.9);
         let one = [0.95, 0.8, 0.7, 0.99, 0.3].map(Some);
-        queue.add_match("one", &document(&one));
+        queue.add_match("one", "one", &document(&one));
         let mut other = document(&[Some(0.5), None, Some(0.5), Some(0.6)]);
         other.frames[0].status = FrameStatus::Reference;
-        queue.add_match("other", &other);
+        queue.add_match("other", "earlier", &other);
         queue.sort();
         let shown = |entry: &QueueEntry| (entry.of_match.clone(), entry.number, entry.frames);
         let found: Vec<_> = queue.entries().iter().map(shown).collect();
@@ -236,6 +236,7 @@ mod tests {
             .map(|(name, number, frames)| (name.to_owned(), number, frames))
             .to_vec();
         assert_eq!(found, wanted);
+        assert_eq!(queue.entries()[1].project, "earlier/project.json");
 
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("queue.json");

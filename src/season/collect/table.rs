@@ -186,14 +186,14 @@ fn core_hours(planned: &PlannedMatch, parts: &Path) -> f64 {
     let costs = labels
         .chain([&planned.find])
         .filter_map(|shard| Cost::read(parts, shard));
-    costs
-        .map(|cost| cost.cpu_s.unwrap_or(cost.wall_s))
-        .sum::<f64>()
-        / HOUR_S
+    // The sum of nothing would be a negative zero.
+    let seconds = costs.map(|cost| cost.cpu_s.unwrap_or(cost.wall_s));
+    seconds.fold(0.0, |sum, seconds| sum + seconds) / HOUR_S
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::record::TABLE_BEGINNINGS;
     use super::*;
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Document, FieldSpec, VideoFrame};
@@ -229,5 +229,13 @@ mod tests {
         let mut table = SeasonTable::new();
         table.add(&planned, &found, Path::new("/no/parts"), 0.9);
         assert_eq!((table.sums.none, table.sums.gap), (8, 6));
+        assert!(!table.sums.core_hours.is_sign_negative());
+        let table = table.finish();
+        for (text, beginning) in [table.to_csv(), table.to_markdown()]
+            .iter()
+            .zip(TABLE_BEGINNINGS)
+        {
+            assert!(text.starts_with(beginning), "{text}");
+        }
     }
 }

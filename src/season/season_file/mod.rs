@@ -48,8 +48,16 @@ pub const QUEUE_FILE: &str = "queue.json";
 pub(crate) const TABLE_FILES: [&str; 2] = ["season.csv", "season.md"];
 /// Locked while the folder of a collected season is written into.
 pub(crate) const LOCK_FILE: &str = "collect.lock";
+/// What was written there, and from which frames.
+pub(crate) const RECORD_FILE: &str = "collected.json";
 /// Files that lie beside the folders of the matches once the season is collected.
-const FILES_BESIDE_MATCHES: [&str; 4] = [QUEUE_FILE, TABLE_FILES[0], TABLE_FILES[1], LOCK_FILE];
+const FILES_BESIDE_MATCHES: [&str; 5] = [
+    QUEUE_FILE,
+    TABLE_FILES[0],
+    TABLE_FILES[1],
+    LOCK_FILE,
+    RECORD_FILE,
+];
 
 /// A season: its matches, in the order of the file.
 #[derive(Clone, Debug, PartialEq)]

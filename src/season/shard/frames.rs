@@ -6,12 +6,13 @@ use crate::plan::LabelShard;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::sync::Arc;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
     CameraId, Document, FieldSpec, Frame, Shared, VideoFrame, document_from_frames, path_between,
     resolve_path,
 };
-use touchline_vision::media::{FrameRef, FrameSource, MediaError, VideoInfo};
+use touchline_vision::media::{FrameRef, FrameSource, MediaError, VideoInfo, video_file_id};
 
 impl OpenSource {
     /// Opens frames by a path without links, so that they have the names that parts have.
@@ -22,11 +23,16 @@ impl OpenSource {
             let numbered = listing.images.iter().cloned().zip(0..);
             number_of_image.extend(numbered);
         }
+        let file_id = match &frames {
+            FrameSource::Video(info) => video_file_id(&info.path).ok().map(Arc::from),
+            FrameSource::Folder(_) => None,
+        };
         Ok(Self {
             frames,
             number_of_image,
             folder,
             name,
+            file_id,
         })
     }
 
@@ -109,7 +115,10 @@ impl Work<'_> {
 
     fn frame_of_video(&self, info: &VideoInfo, number: usize) -> Frame {
         // `frames_of_window` fills in the camera, which it takes from the find part.
-        let video = VideoFrame::new(&self.source.name, number as u64, info.pts_s(number));
+        let video = VideoFrame {
+            file_id: self.source.file_id.clone(),
+            ..VideoFrame::new(&self.source.name, number as u64, info.pts_s(number))
+        };
         Frame::from_video(video, CameraId::from(""), info.size)
     }
 

@@ -27,6 +27,7 @@ use cost::Stopwatch;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use touchline_calibration::pipelines::MatchEvent;
 use touchline_core::files::remove_stray_files;
 use touchline_core::progress::Progress;
@@ -119,6 +120,8 @@ struct OpenSource {
     folder: PathBuf,
     /// The name of the video or folder in it.
     name: String,
+    /// What the video is recognised by; none for a folder.
+    file_id: Option<Arc<str>>,
 }
 
 /// A match while one of its shards is done.

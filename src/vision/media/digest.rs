@@ -1,9 +1,10 @@
-//! The SHA-256 of a frame's file, to detect whether it is still the one that was labelled.
+//! The SHA-256 of a frame's file, to detect whether it is still the one that was labelled; of a
+//! video that of its size and its ends, because hashing a match takes minutes.
 
 use super::MediaError;
 use super::error::open_file;
 use sha2::{Digest, Sha256};
-use std::io::Read;
+use std::io::{self, Read, Seek as _, SeekFrom};
 use std::path::Path;
 use touchline_core::geometry::hex;
 
@@ -28,6 +29,31 @@ pub fn sha256_of_file(path: &Path) -> Result<String, MediaError> {
     Ok(hex(&digest.finalize()))
 }
 
+/// Number of bytes at each end of a video by which it is recognised.
+const END_BYTES: u64 = 1 << 20;
+
+/// What a video's file is recognised by, under whatever name: the first 32 hexadecimal digits of the
+/// SHA-256 of its size (eight bytes, big-endian), its first MB and its last MB.
+///
+/// # Errors
+/// The file is missing, empty, not a file or cannot be read.
+pub fn video_file_id(path: &Path) -> Result<String, MediaError> {
+    let file = open_file(path)?;
+    let read = |mut file: std::fs::File| -> io::Result<String> {
+        let bytes = file.metadata()?.len();
+        let mut digest = Sha256::new().chain_update(bytes.to_be_bytes());
+        let mut end = Vec::new();
+        for start in [0, bytes.saturating_sub(END_BYTES)] {
+            end.clear();
+            file.seek(SeekFrom::Start(start))?;
+            (&mut file).take(END_BYTES).read_to_end(&mut end)?;
+            digest.update(&end);
+        }
+        Ok(hex(&digest.finalize()[..16]))
+    };
+    read(file).map_err(|error| MediaError::from_io(path, &error))
+}
+
 /// The SHA-256 of bytes, in lower-case hexadecimal digits.
 #[must_use]
 pub fn sha256_of_bytes(bytes: &[u8]) -> String {
@@ -37,6 +63,28 @@ pub fn sha256_of_bytes(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_video_is_recognised_by_its_length_and_both_ends() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mp4");
+        let id_of = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            video_file_id(&path).unwrap()
+        };
+        let mut bytes = vec![7; 3 << 20];
+        let id = id_of(&bytes);
+        assert_eq!(id.len(), 32);
+        let last = bytes.len() - 1;
+        for at in [0, last] {
+            bytes[at] = 8;
+            assert_ne!(id_of(&bytes), id, "byte {at}");
+            bytes[at] = 7;
+        }
+        assert_eq!(id_of(&bytes), id);
+        assert_ne!(id_of(&bytes[..last]), id);
+        assert_ne!(id_of(b"short"), id_of(b"shore"));
+    }
 
     #[test]
     fn the_published_digest_of_abc() {

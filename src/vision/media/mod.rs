@@ -35,7 +35,7 @@ mod video;
 
 pub use cache::FrameCache;
 pub use cached_reader::{CachedReader, KEPT_BYTES};
-pub use digest::{sha256_of_bytes, sha256_of_file};
+pub use digest::{sha256_of_bytes, sha256_of_file, video_file_id};
 pub use error::MediaError;
 pub(crate) use error::one_line;
 pub use folder::{FolderListing, list_images};

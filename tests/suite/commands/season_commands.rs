@@ -10,7 +10,7 @@ use std::process::{self, Child, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use touchline::app::{Action, App, Command, OpenProject, Question};
-use touchline::document::{Document, Frame, FrameId, FrameStatus};
+use touchline::document::{Camera, Document, Frame, FrameId, FrameStatus};
 use touchline::season::collect::Queue;
 use touchline::season::part::part_path;
 use touchline::season::plan::Plan;
@@ -92,6 +92,15 @@ impl Season {
     fn all_shards(&self, plan: &Plan, parts: &str) {
         for id in plan.shard_ids() {
             self.shard(id, parts);
+        }
+    }
+
+    /// Does the shards of the match without a camera, which take no time.
+    fn shards_of_grey(&self, plan: &Plan) {
+        let grey = &plan.matches[1];
+        self.shard(&grey.find, "parts");
+        for label in &grey.labels {
+            self.shard(&label.shard, "parts");
         }
     }
 
@@ -213,6 +222,102 @@ fn a_season_in_any_order_gives_the_same_bytes_and_peoples_work_stays() {
         refusal.contains("known.json changed after the plan was made"),
         "{refusal}"
     );
+}
+
+#[test]
+fn collecting_replaces_only_what_it_wrote() {
+    let (season, plan) = Season::with_plan();
+    season.shards_of_grey(&plan);
+    fs::create_dir(season.path("own")).unwrap();
+    let own = ["season.csv", "season.md", "queue.json", "notes.txt"];
+    for name in own {
+        fs::write(season.path("own").join(name), "match,my notes\n").unwrap();
+    }
+    let before = bytes_of(&season.path("own"), &own);
+    let refusal = season.refusal("collect plan.json parts -o own");
+    assert!(refusal.contains("own holds other things"), "{refusal}");
+    assert!(bytes_of(&season.path("own"), &[""]) == before);
+
+    let collect = || season.run("collect plan.json parts -o out");
+    assert_eq!(collect().code, 1, "the drawn match is a gap");
+    assert_eq!(collect().code, 1, "again");
+    let table = season.path("out/season.csv");
+    let text = fs::read_to_string(&table).unwrap();
+    fs::write(&table, format!("{text}my row\n")).unwrap();
+    let refusal = season.refusal("collect plan.json parts -o out");
+    assert!(
+        refusal.contains("out/season.csv is not as touchline collect wrote it"),
+        "{refusal}"
+    );
+    assert!(fs::read_to_string(&table).unwrap().ends_with("my row\n"));
+    // Earlier versions kept no record; their files are known by what they begin with.
+    fs::write(&table, text).unwrap();
+    fs::remove_file(season.path("out/collected.json")).unwrap();
+    assert_eq!(collect().code, 1);
+    assert!(season.path("out/collected.json").exists());
+
+    // A project of a person's under the name of a match.
+    fs::rename(season.path("out/grey"), season.path("out/north")).unwrap();
+    season.shard(&plan.matches[0].find, "parts");
+    let project = season.path("out/north/project.json");
+    let before = fs::read(&project).unwrap();
+    let ran = collect();
+    assert!(
+        ran.stderr
+            .contains("north: its project was left as it is: it was not collected here"),
+        "{}",
+        ran.stderr
+    );
+    assert!(fs::read(project).unwrap() == before);
+}
+
+#[test]
+fn a_match_that_is_renamed_or_gets_a_camera_keeps_its_project() {
+    let (season, plan) = Season::with_plan();
+    season.shards_of_grey(&plan);
+    let collect = |wanted: &str| {
+        let ran = season.run("collect plan.json parts -o out");
+        assert!(
+            ran.code < 2 && ran.stderr.contains(wanted),
+            "{}",
+            ran.stderr
+        );
+    };
+    collect("");
+    let plan_again = |grey: &str| {
+        let text = SEASON.replace("frames = 'grey'", &format!("frames = 'grey'\n{grey}"));
+        fs::write(season.path("season.toml"), text).unwrap();
+        let ran = season.run("plan season.toml -o plan.json --force");
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let plan = Plan::read(&season.path("plan.json")).unwrap();
+        season.shards_of_grey(&plan);
+    };
+    plan_again("name = 'cup'");
+    collect("cup: its frames were collected as grey; its project stays in that folder");
+    assert!(!season.path("out/cup").exists());
+    let table = fs::read_to_string(season.path("out/season.csv")).unwrap();
+    assert!(table.contains("\ncup,0,4,0,0,4,0,"), "{table}");
+    fs::rename(season.path("out/grey"), season.path("out/cup")).unwrap();
+    collect("out: 1 project");
+    assert!(!season.path("out/grey").exists());
+
+    // The season gets a camera for it: a project in which nobody has worked takes it.
+    let project = season.path("out/cup/project.json");
+    let mut known = document(&project).relocate(&season.path("out/cup"), season.folder.path());
+    let base = season.truth.cameras[0].base().unwrap();
+    let camera: &mut Camera = &mut known.cameras[0];
+    camera.set_base(&base);
+    write(&season.path("grey.json"), &known);
+    let untouched = fs::read(&project).unwrap();
+    let mut edited = document(&project);
+    edited.frames[0].comment = Some("too dark".to_owned());
+    write(&project, &edited);
+    plan_again("name = 'cup'\nproject = 'grey.json'");
+    collect("cup: its project was left as it is: camera main has no base, unlike in the parts");
+    assert_eq!(document(&project), edited);
+    fs::write(&project, untouched).unwrap();
+    collect("out: 1 project");
+    assert!(document(&project).cameras[0].base().is_some());
 }
 
 #[test]

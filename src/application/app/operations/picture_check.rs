@@ -2,8 +2,8 @@
 //! were labelled.
 //!
 //! A different picture under the same file name shows another moment: its lines are elsewhere, and
-//! a correct label becomes wrong. The check compares what the document states: SHA-256, size, and
-//! number and time in a video.
+//! a correct label becomes wrong. The check compares what the document states: SHA-256, size, what a
+//! video is recognised by, and number and time in it.
 
 use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
@@ -47,7 +47,7 @@ impl PictureIdentity {
             || frame
                 .video
                 .as_ref()
-                .is_some_and(|video| video.pts_s.is_some())
+                .is_some_and(|video| video.pts_s.is_some() || video.file_id.is_some())
     }
 }
 
@@ -152,6 +152,7 @@ const fn is_of_another_picture(fault: &Fault) -> bool {
         fault,
         Fault::PictureChanged { .. }
             | Fault::PictureSize { .. }
+            | Fault::VideoChanged { .. }
             | Fault::VideoTime { .. }
             | Fault::NoSuchVideoFrame { .. }
     )

@@ -25,12 +25,7 @@ pub fn video() -> Document {
     for index in 0..10 {
         let mut frame = Frame::from_image("", "main".into(), SIZE);
         frame.image = None;
-        frame.video = Some(VideoFrame {
-            path: "match.mp4".into(),
-            frame_index: 100 * index,
-            pts_s: None,
-            extra: Extra::new(),
-        });
+        frame.video = Some(VideoFrame::new("match.mp4", 100 * index, None));
         frame.clip = Some(Clip::Number(i64::from(index >= 6)));
         document.frames.push(frame.into());
     }

@@ -162,12 +162,7 @@ fn panned_document() -> Document {
     for index in 0..41 {
         let ptz = Ptz::from_degrees(-40.0 + 0.2 * index as f64, -12.0, 5000.0);
         let mut frame = frame(&format!("{index}.jpg"), ptz, &[]);
-        frame.video = Some(VideoFrame {
-            path: "match.mp4".into(),
-            frame_index: index,
-            pts_s: None,
-            extra: touchline_documents::document::Extra::new(),
-        });
+        frame.video = Some(VideoFrame::new("match.mp4", index, None));
         if index % 2 == 0 && index < 40 {
             frame.ptz = Some(touchline_documents::document::FramePtz::new(ptz, None));
             frame.status = FrameStatus::Reference;

@@ -325,6 +325,15 @@ pub enum Fault {
         /// The file's SHA-256.
         actual: String,
     },
+    /// Another video lies under the name of the one that was labelled.
+    #[error(
+        "{video} is another video than the one that was labelled; put that one back, or inspect \
+         every label"
+    )]
+    VideoChanged {
+        /// The file's name.
+        video: String,
+    },
     /// The stated time is not that of the stated frame.
     #[error("pts_s {stated} is not the time of frame {index} of the video{}; inspect the label", actual.map_or_else(String::new, |pts| format!(" ({pts:.4})")))]
     VideoTime {
@@ -405,6 +414,7 @@ impl Fault {
             Self::Picture { .. } => "unreadable_picture",
             Self::PictureSize { .. } => "picture_size",
             Self::PictureChanged { .. } => "picture_changed",
+            Self::VideoChanged { .. } => "video_changed",
             Self::VideoTime { .. } => "video_time",
             Self::StillCamera { .. } => "still_camera",
             Self::NoSuchVideoFrame { .. } => "no_such_video_frame",

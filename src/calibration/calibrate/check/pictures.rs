@@ -3,7 +3,7 @@
 
 use super::fault::{Fault, Problem};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use touchline_core::progress::Progress;
 use touchline_documents::document::{DocumentAt, Frame, VideoFrame};
@@ -57,10 +57,23 @@ pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> 
             .into_iter()
             .map(move |fault| Problem::in_frame(index, frame, fault))
     });
-    problems.collect()
+    // A video that was replaced is one problem, not one of each of its frames.
+    let mut replaced = BTreeSet::new();
+    let is_new = |problem: &Problem| match &problem.fault {
+        Fault::VideoChanged { video } => replaced.insert(video.clone()),
+        _ => true,
+    };
+    problems.filter(is_new).collect()
 }
 
-type Videos = BTreeMap<PathBuf, Result<VideoInfo, MediaError>>;
+/// A video that was opened.
+struct OpenedVideo {
+    info: Result<VideoInfo, MediaError>,
+    /// What its file is recognised by.
+    file_id: Option<String>,
+}
+
+type Videos = BTreeMap<PathBuf, OpenedVideo>;
 
 fn videos(document: DocumentAt<'_>) -> Videos {
     let mut videos = Videos::new();
@@ -73,7 +86,10 @@ fn videos(document: DocumentAt<'_>) -> Videos {
     {
         videos
             .entry(video.file_path(document.folder))
-            .or_insert_with_key(|path| FrameReader::new().video_info(path).cloned());
+            .or_insert_with_key(|path| OpenedVideo {
+                info: FrameReader::new().video_info(path).cloned(),
+                file_id: media::video_file_id(path).ok(),
+            });
     }
     videos
 }
@@ -86,7 +102,13 @@ fn check_frame(frame: &Frame, folder: &Path, videos: &Videos) -> Vec<Fault> {
     if let Some(video) = &frame.video
         && let Some(opened) = videos.get(&video.file_path(folder))
     {
-        match opened {
+        match &opened.info {
+            // What else differs follows from that.
+            Ok(_) if video.is_of_other_file(opened.file_id.as_deref()) => {
+                faults.push(Fault::VideoChanged {
+                    video: video.path.clone(),
+                });
+            }
             Ok(info) => check_video(frame, video, info, &mut faults),
             Err(error) => faults.push(unreadable(error)),
         }
@@ -153,5 +175,47 @@ fn check_video(frame: &Frame, video: &VideoFrame, info: &VideoInfo, faults: &mut
             actual: info.size,
             stated: frame.image_size,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use touchline_core::geometry::ImageSize;
+    use touchline_vision::media::FrameClock;
+
+    #[test]
+    fn another_video_under_the_name_is_a_fault_whatever_its_length_and_size() {
+        let size = ImageSize::new(64, 36);
+        let mut frame = Frame::from_video(VideoFrame::new("a.mp4", 3, None), "main".into(), size);
+        let opened = OpenedVideo {
+            info: Ok(VideoInfo {
+                path: Arc::from(Path::new("/match/a.mp4")),
+                size,
+                rotation_deg: 0,
+                fps: 25.0,
+                stated_frames: 50,
+                decoded_frames: 50,
+                interlaced: false,
+                clock: FrameClock::Even {
+                    first_s: 0.0,
+                    fps: 25.0,
+                },
+                notices: Vec::new(),
+            }),
+            file_id: Some("00ff".to_owned()),
+        };
+        let videos = Videos::from([(PathBuf::from("/match/a.mp4"), opened)]);
+        let mut faults = |file_id: Option<&str>| {
+            if let Some(video) = &mut frame.video {
+                video.file_id = file_id.map(Arc::from);
+            }
+            let faults = check_frame(&frame, Path::new("/match"), &videos);
+            faults.iter().map(Fault::code).collect::<Vec<_>>()
+        };
+        assert_eq!(faults(None), [""; 0], "an earlier version stated none");
+        assert_eq!(faults(Some("00FF")), [""; 0]);
+        assert_eq!(faults(Some("00fe")), ["video_changed"]);
     }
 }

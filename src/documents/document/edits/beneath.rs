@@ -10,6 +10,14 @@ impl History<Document> {
         self.done.len()
     }
 
+    /// Changes the document in all states, for a change of the program that is no step.
+    pub fn update_states(&mut self, update: impl Fn(&Document) -> Document) {
+        let undone = self.undone.iter_mut();
+        for (_, state) in self.done.iter_mut().chain(undone) {
+            *state = update(state);
+        }
+    }
+
     /// Inserts a step from `before` to `after` above the first `num_below` steps. Its changes are
     /// applied to all later states, including undone ones. The step must only change the `clip` of
     /// frames, in place, and the document's shots.

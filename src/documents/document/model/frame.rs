@@ -6,6 +6,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
@@ -128,6 +129,10 @@ pub struct VideoFrame {
         skip_serializing_if = "Option::is_none"
     )]
     pub pts_s: Option<f64>,
+    /// What the file is recognised by, where that is known: the first 32 hexadecimal digits of the
+    /// SHA-256 of its size (eight bytes, big-endian), its first MB and its last MB.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file_id: Option<Arc<str>>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -419,8 +424,17 @@ impl VideoFrame {
             path: path.to_owned(),
             frame_index,
             pts_s,
+            file_id: None,
             extra: Extra::new(),
         }
+    }
+
+    /// Whether a file that is recognised by `file_id` is another video than the one that was
+    /// labelled; false where one of the two is not known.
+    #[must_use]
+    pub fn is_of_other_file(&self, file_id: Option<&str>) -> bool {
+        let ids = self.file_id.as_deref().zip(file_id);
+        ids.is_some_and(|(stated, found)| !stated.eq_ignore_ascii_case(found))
     }
 
     /// The path of the video file, given the document's folder.

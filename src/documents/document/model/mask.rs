@@ -82,13 +82,7 @@ mod tests {
         assert_eq!(document.masks_of(&frame), [mask(1.0), mask(3.0), mask(2.0)]);
         frame.image = None;
         for (index, covered) in [(9, false), (10, true), (20, true), (21, false)] {
-            let video = VideoFrame {
-                path: "a.mp4".to_owned(),
-                frame_index: index,
-                pts_s: None,
-                extra: Extra::new(),
-            };
-            frame.video = Some(video);
+            frame.video = Some(VideoFrame::new("a.mp4", index, None));
             assert_eq!(
                 document.masks_of(&frame).len(),
                 if covered { 3 } else { 2 },

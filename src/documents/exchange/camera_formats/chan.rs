@@ -4,7 +4,9 @@
 //! (Nuke's default order ZXY). The last column is the *vertical* field of view in degrees. There is
 //! neither a size of picture nor a principal point, lens or rate.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, SequenceScope, WriteContext, has_ending,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{
     OTHER_SIZE, cannot_hold, note_several_cameras, parts, plain, with,
@@ -116,6 +118,10 @@ impl CameraFormat for Chan {
         let mut notes = vec![how.to_owned()];
         notes.extend(note_several_cameras(frames));
         notes
+    }
+
+    fn sequence(&self) -> Option<SequenceScope> {
+        Some(SequenceScope::All)
     }
 
     fn write(

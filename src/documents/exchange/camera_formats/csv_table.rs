@@ -7,7 +7,9 @@
 //! `read_csv(f, float_precision="round_trip")`).
 
 use crate::document::{FrameStatus, SolutionSource};
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, SequenceScope, WriteContext, has_ending, stem_of,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::ground_fit::fit_image_from_ground;
 use crate::exchange::cameras::held::{parts, relative_name};
@@ -267,6 +269,10 @@ impl CameraFormat for Csv {
             }
         };
         Ok(frame.with_name(name))
+    }
+
+    fn sequence(&self) -> Option<SequenceScope> {
+        Some(SequenceScope::CameraWithoutImages)
     }
 
     fn write(

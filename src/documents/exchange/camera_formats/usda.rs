@@ -7,7 +7,9 @@
 //! across it. Distortion cannot be represented. Source: `OpenUSD`, `UsdGeomCamera`.
 
 use super::chan::{looking_back, y_up};
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, SequenceScope, WriteContext, has_ending,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, with};
 use crate::exchange::cameras::into_document::FreeNames;
@@ -287,6 +289,10 @@ impl CameraFormat for Usda {
         }
         notes.extend(context.sensor_width_note(NOMINAL_MM));
         notes
+    }
+
+    fn sequence(&self) -> Option<SequenceScope> {
+        Some(SequenceScope::Camera)
     }
 
     fn write(

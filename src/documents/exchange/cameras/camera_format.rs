@@ -50,6 +50,17 @@ impl WriteContext<'_> {
     }
 }
 
+/// What a format writes as one sequence of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SequenceScope {
+    /// All frames of the export.
+    All,
+    /// The frames of each camera.
+    Camera,
+    /// The frames of each camera that have no picture of their own.
+    CameraWithoutImages,
+}
+
 /// A format that stores a camera or a homography for each frame.
 pub trait CameraFormat: Sync {
     /// The frame as the format stores it, under the name with which it will be read back: as it is
@@ -84,6 +95,11 @@ pub trait CameraFormat: Sync {
     /// The document of its frames.
     fn document(&self, field: FieldSpec, frames: &[View]) -> Document {
         document_of(field, frames, self.exactness())
+    }
+
+    /// What its files name neither the video nor the folder of, so that its frames must be of one.
+    fn sequence(&self) -> Option<SequenceScope> {
+        None
     }
 
     /// Notes for the user about these frames in this format.

@@ -1,12 +1,12 @@
 //! Helpers for formats that store less than a whole camera.
 
-use super::camera_format::stem_of;
+use super::camera_format::{SequenceScope, stem_of};
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::base_name;
 use crate::exchange::format::Format;
 use crate::exchange::syntax::node::safe_path;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::Radial;
 use touchline_core::geometry::{ImageSize, pluralise};
 
@@ -58,6 +58,60 @@ pub fn relative_name(frame: &FrameCamera) -> String {
     safe_path(image).unwrap_or_else(|_| base_name(image).to_owned())
 }
 
+/// Refuses frames of two videos or of two folders of images in one sequence, and images of two
+/// cameras in one that does not name its camera. Cameras of one video take turns in it.
+///
+/// # Errors
+/// The first two frames that are not of one sequence are named.
+pub fn refuse_mixed_sequence(
+    frames: &[FrameCamera],
+    format: Format,
+    sequence: SequenceScope,
+) -> Result<(), ExchangeError> {
+    let mut firsts: BTreeMap<Option<&str>, &FrameCamera> = BTreeMap::new();
+    for frame in frames {
+        let group = match sequence {
+            SequenceScope::All => None,
+            SequenceScope::CameraWithoutImages if frame.image.is_some() => continue,
+            SequenceScope::Camera | SequenceScope::CameraWithoutImages => frame.camera.as_deref(),
+        };
+        let first = *firsts.entry(group).or_insert(frame);
+        let is_one = source_of(first) == source_of(frame)
+            && (frame.video.is_some() || first.camera == frame.camera);
+        if !is_one {
+            return Err(ExchangeError::MixedSequence {
+                format,
+                first: own_name(first),
+                second: own_name(frame),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The video of a frame, or the folder of its image; none where neither is known.
+fn source_of(frame: &FrameCamera) -> Option<&str> {
+    if let Some(video) = &frame.video {
+        return Some(video);
+    }
+    let image = frame.image.as_deref()?;
+    Some(image.rfind(['/', '\\']).map_or("", |end| &image[..end]))
+}
+
+/// The note that a sequence without numbers has frames that do not follow each other.
+pub fn note_lost_gaps(frames: &[FrameCamera]) -> Option<String> {
+    let numbers: Option<Vec<u64>> = frames.iter().map(|frame| frame.frame_index).collect();
+    let numbers = numbers?;
+    let gap = numbers
+        .windows(2)
+        .find(|pair| pair[0].checked_add(1) != Some(pair[1]))?;
+    Some(format!(
+        "no frame numbers are written: frame {} follows frame {} as if nothing were between them; \
+         --takes writes frames without a gap to a file each",
+        gap[1], gap[0]
+    ))
+}
+
 /// The note that a track has frames of several cameras, which it does not name.
 pub fn note_several_cameras(frames: &[FrameCamera]) -> Option<String> {
     let cameras: BTreeSet<Option<&str>> =
@@ -74,10 +128,18 @@ pub fn note_several_cameras(frames: &[FrameCamera]) -> Option<String> {
 /// The error that a format cannot represent a frame, which is named by its picture or by its number
 /// in the video: its name in the format says nothing to the user.
 pub fn cannot_hold(frame: &FrameCamera, format: Format, why: String) -> ExchangeError {
-    let frame = match (&frame.image, &frame.video, frame.frame_index) {
+    ExchangeError::CannotHold {
+        frame: own_name(frame),
+        format,
+        why,
+    }
+}
+
+/// The picture of a frame, or its video and its number there.
+fn own_name(frame: &FrameCamera) -> String {
+    match (&frame.image, &frame.video, frame.frame_index) {
         (Some(image), ..) => image.clone(),
         (None, Some(video), Some(index)) => format!("{video}#{index}"),
         _ => frame.name.clone(),
-    };
-    ExchangeError::CannotHold { frame, format, why }
+    }
 }

@@ -8,6 +8,7 @@ use super::stage::{in_stage, in_world, takes_stage};
 use crate::document::{Camera, Click, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
+use crate::exchange::cameras::held::refuse_mixed_sequence;
 use crate::exchange::cameras::into_document::camera_of;
 use crate::exchange::cameras::picture_size::has_same_proportions;
 use crate::exchange::error::ExchangeError;
@@ -190,6 +191,9 @@ pub fn export_cameras(
     let Some(field) = of_field else {
         return Err(nothing(format, &left_out));
     };
+    if let Some(sequence) = camera_format.sequence() {
+        refuse_mixed_sequence(&chosen, format, sequence)?;
+    }
     note_rates(&mut chosen);
     // What the options leave open, the document may state of its cameras; only what they have in
     // common counts, because a file has one sensor.

@@ -16,8 +16,9 @@ use touchline_core::geometry::{ImagePoint, pluralise};
 
 /// The chosen frames, and interpolated cameras for gaps of up to `most` frames between two solved
 /// frames of the same video, camera and clip. Pan, tilt and the logarithm of the focal length are
-/// interpolated linearly in time. A gap that contains a rejected frame, or a frame with a camera
-/// that was not chosen, is not filled. Gaps that were not filled are reported in a note.
+/// interpolated linearly in time. A gap that contains a rejected frame, a frame of another camera
+/// or clip, or one with a camera that was not chosen, is not filled. Gaps that were not filled are
+/// reported in a note.
 #[must_use]
 pub fn interpolate_gaps(
     document: &Document,
@@ -78,7 +79,8 @@ pub fn interpolate_gaps(
         ),
         (
             held,
-            "with a rejected frame or a camera that was not requested".to_owned(),
+            "with a rejected frame, or one of another camera or clip or that was not requested"
+                .to_owned(),
         ),
     ];
     let reasons: Vec<String> = reasons
@@ -131,8 +133,8 @@ fn sort_by_number(mut run: Vec<(u64, &Frame)>) -> Vec<&Frame> {
     run.into_iter().map(|(_, frame)| frame).collect()
 }
 
-/// The interpolated frames between two; none if one of the frames there is rejected or has a
-/// camera.
+/// The interpolated frames between two; none if one of the frames there is rejected, is of another
+/// camera or clip, or is solved.
 fn between(
     document: &Document,
     by_number: &ByNumber<'_>,
@@ -142,10 +144,16 @@ fn between(
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
     let path = first.path.as_str();
     let numbers = first.frame_index + 1..last.frame_index;
-    // A person rejected what is there, or chose other frames: neither is to be invented anew.
+    // A person rejected what is there, or chose other frames: neither is to be invented anew. A
+    // frame of another camera or clip shows that there is a cut within the gap.
+    let is_other = |frame: &Frame| {
+        frame.camera != before.camera || frame.clip.is_some() && frame.clip != before.clip
+    };
     if by_number
         .range((path, numbers.start)..(path, numbers.end))
-        .any(|(_, frame)| frame.status == FrameStatus::Rejected || frame.ptz.is_some())
+        .any(|(_, frame)| {
+            frame.status == FrameStatus::Rejected || frame.ptz.is_some() || is_other(frame)
+        })
     {
         return None;
     }
@@ -197,7 +205,10 @@ fn frame_at(
     let frame = there.cloned().unwrap_or_else(|| Frame {
         clip: before.clip.clone(),
         ..Frame::from_video(
-            VideoFrame::new(&first.path, number, pts_s),
+            VideoFrame {
+                file_id: first.file_id.clone(),
+                ..VideoFrame::new(&first.path, number, pts_s)
+            },
             before.camera.clone(),
             before.image_size,
         )
@@ -350,12 +361,16 @@ fn append_take(mut whole: Exported, take: Exported, files: &Files) -> Exported {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::Clip;
     use crate::exchange::export;
     use crate::exchange::tests::{document, text_of};
     use crate::exchange::{ExportOptions, Format, Gaps, Loss};
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
+
+    const NOT_FILLED: &str = "not filled: 1 gap with a rejected frame, or one of another camera or \
+                              clip or that was not requested";
 
     /// Frames 412, 413, 416 and 440 of a video, without images.
     fn gappy() -> Document {
@@ -453,8 +468,30 @@ mod tests {
             27,
             "the other gap is filled"
         );
-        let why = "not filled: 1 gap with a rejected frame or a camera that was not requested";
-        assert_eq!(note.as_deref(), Some(why));
+        assert_eq!(note.as_deref(), Some(NOT_FILLED));
+    }
+
+    #[test]
+    fn a_gap_with_a_frame_of_another_camera_or_clip_stays() {
+        for (camera, clip) in [("behind_goal", None), ("main", Some(Clip::Number(2)))] {
+            let mut document = gappy();
+            let other = Frame {
+                clip,
+                ..Frame::from_video(
+                    VideoFrame::new("match.mp4", 414, None),
+                    camera.into(),
+                    ImageSize::new(1920, 1080),
+                )
+            };
+            document.frames.push(other.clone().into());
+            let (filled, note) = interpolate_gaps(&document, &FrameChoice::default(), 5);
+            let kept = filled.frames.iter().find(|frame| frame.id == other.id);
+            assert!(kept.is_some_and(|frame| **frame == other), "{camera}");
+            let solved = filled.frames.iter().filter(|frame| frame.ptz.is_some());
+            assert_eq!(solved.count(), 4, "{camera}");
+            let expected = NOT_FILLED.replace(": ", ": 1 gap longer than 5 frames, ");
+            assert_eq!(note.as_deref(), Some(&*expected));
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Import of foreign cameras as a document.
 
 use super::imported::Imported;
-use super::pictures::image_of;
+use super::pictures::{image_of, refuse_shared_pictures};
 use crate::document::path_between;
 use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Unreadable};
@@ -96,6 +96,7 @@ pub fn import_cameras(
     if views.len() < frames.len() {
         add_unsolved(&mut document, &frames, &sizes);
     }
+    refuse_shared_pictures(&document, path)?;
     Ok(Imported {
         document,
         folder: folder.to_path_buf(),

@@ -1,7 +1,7 @@
 //! Import of points from other annotation tools as a document.
 
 use super::imported::Imported;
-use super::pictures::image_of;
+use super::pictures::{image_of, refuse_shared_pictures};
 use crate::document::{Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between};
 use crate::exchange::cameras::into_document::Cameras;
 use crate::exchange::click_formats::clicked_frame::{ClickFormat, LabelledFrame, Mark};
@@ -77,6 +77,7 @@ pub fn import_clicks(
             .into(),
         );
     }
+    refuse_shared_pictures(&document, path)?;
     let mut notes = Vec::new();
     if !unmapped.is_empty() {
         if !options.skip_unmapped {

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | the same image file | their SHA-256 are known and differ |
 //! | an image of the same name without its ending, if one frame has it | their SHA-256 are known and differ |
-//! | the same number of the same video | – |
+//! | the same number of the same video | what their files are recognised by is known and differs |
 //!
 //! The SHA-256 of a picture is the one stated in its document, else that of the file if it exists.
 //! Videos are the same if they have the same path, or the same name and not two existing files of
@@ -103,6 +103,9 @@ impl<'a> Places<'a> {
         let video = self.find_video(&imported.path, folder)?;
         let index = *self.by_number.get(&(video.clone(), imported.frame_index))?;
         let known = self.open.document.frames.get(index)?.video.as_ref()?;
+        if known.is_of_other_file(imported.file_id.as_deref()) {
+            return None;
+        }
         // A track that names no video counts from its own beginning, so that its times say nothing.
         let times_s = known.pts_s.zip(imported.pts_s);
         let are_apart = times_s.is_some_and(|(a, b)| (a - b).abs() > SAME_TIME_S);

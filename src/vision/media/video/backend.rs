@@ -2,6 +2,7 @@
 //! built in with its video module.
 
 use super::capture::Capture;
+use super::container::Container;
 use super::ffmpeg::{FfmpegCapture, Output, ffmpeg};
 use super::ffprobe::{self, Stream};
 #[cfg(feature = "opencv-videoio")]
@@ -58,11 +59,15 @@ impl DescribedVideo {
     ///
     /// # Errors
     /// The file is no video, or the backend is not available.
-    pub fn new(path: &Path, backend: VideoBackend) -> Result<Self, MediaError> {
+    pub fn new(
+        path: &Path,
+        container: Container,
+        backend: VideoBackend,
+    ) -> Result<Self, MediaError> {
         match backend {
             VideoBackend::Ffmpeg => {
                 ffmpeg().ok_or_else(|| MediaError::no_video_support(path))?;
-                Ok(Self::Ffmpeg(Stream::probe(path)?))
+                Ok(Self::Ffmpeg(Stream::probe(path, container.demuxer)?))
             }
             #[cfg(feature = "opencv-videoio")]
             VideoBackend::OpenCv => Ok(Self::OpenCv),
@@ -106,7 +111,7 @@ impl DescribedVideo {
         count: &mut dyn FnMut(usize) -> Result<(), MediaError>,
     ) -> Result<Option<usize>, MediaError> {
         match self {
-            Self::Ffmpeg(_) => ffprobe::count_packets(path, count),
+            Self::Ffmpeg(stream) => ffprobe::count_packets(path, stream.demuxer, count),
             #[cfg(feature = "opencv-videoio")]
             Self::OpenCv => {
                 let Ok(mut capture) = OpenCvCapture::open_packets(path) else {

@@ -237,11 +237,11 @@ impl Decoder {
                 "-v",
                 "quiet",
                 "-protocol_whitelist",
-                "file,pipe",
+                "file",
                 "-copyts",
             ])
             .args(seek.iter().flatten())
-            .arg("-i")
+            .args(["-f", stream.demuxer, "-i"])
             .arg(as_file(path)?)
             .args([
                 "-map",

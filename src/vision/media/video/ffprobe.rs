@@ -12,6 +12,8 @@ use touchline_core::geometry::ImageSize;
 /// The video's stream, as `ffprobe` describes it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stream {
+    /// The demuxer of its container.
+    pub demuxer: &'static str,
     pub stated: StatedProperties,
     /// One step of its time stamps, s.
     pub time_base_s: f64,
@@ -26,11 +28,11 @@ impl Stream {
     ///
     /// # Errors
     /// It finds no video in the file, hangs, or was killed.
-    pub fn probe(path: &Path) -> Result<Self, MediaError> {
+    pub fn probe(path: &Path, demuxer: &'static str) -> Result<Self, MediaError> {
         let entries = "stream=codec_name,width,height,avg_frame_rate,r_frame_rate,nb_frames,start_pts,start_time,time_base,\
                        sample_aspect_ratio,duration:stream_side_data=rotation:format=duration,start_time";
         let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
-        let mut command = probe_command(entries);
+        let mut command = probe_command(demuxer, entries);
         let output = output_of(command.arg(file)).map_err(|error| MediaError::ReaderFailed {
             path: path.to_path_buf(),
             reader: "ffprobe".to_owned(),
@@ -39,13 +41,14 @@ impl Stream {
         // Both a failure that `ffprobe` states by its exit code and an output without a video mean
         // that the file is none; only a program that does not run or end is a failure of the
         // reader.
-        let described = output.and_then(|output| Self::from_properties(&Properties::read(&output)));
+        let described =
+            output.and_then(|output| Self::from_properties(demuxer, &Properties::read(&output)));
         described.ok_or_else(|| MediaError::NotAVideo {
             path: path.to_path_buf(),
         })
     }
 
-    fn from_properties(properties: &Properties) -> Option<Self> {
+    fn from_properties(demuxer: &'static str, properties: &Properties) -> Option<Self> {
         let stream = |name: &str| properties.stream_property(name);
         // A codec that has no name has no decoder.
         stream("codec_name").filter(|&name| name != "unknown")?;
@@ -77,6 +80,7 @@ impl Stream {
         let starts_s = [stream("start_time"), properties.file_property("start_time")]
             .map(|text| text.and_then(finite_number));
         Some(Self {
+            demuxer,
             stated: StatedProperties {
                 size,
                 rotation_deg,
@@ -99,10 +103,11 @@ impl Stream {
 /// them.
 pub(super) fn count_packets(
     path: &Path,
+    demuxer: &str,
     count: &mut dyn FnMut(usize) -> Result<(), MediaError>,
 ) -> Result<Option<usize>, MediaError> {
     let file = as_file(path).map_err(|error| MediaError::from_io(path, &error))?;
-    let mut command = probe_command("packet=size");
+    let mut command = probe_command(demuxer, "packet=size");
     command.arg(file).stderr(Stdio::null());
     // No count is no failure: the survey then decodes all frames. If `count` stops it, the process
     // ends as it is dropped.
@@ -122,8 +127,8 @@ pub(super) fn count_packets(
 }
 
 /// An `ffprobe` command for some entries of a file's first video stream, one per line.
-fn probe_command(entries: &str) -> Command {
-    // A video may be a playlist that names other files or addresses: only files are followed. `V`
+fn probe_command(demuxer: &str, entries: &str) -> Command {
+    // The demuxer is named, so that no file is followed as a list of others (`container.rs`). `V`
     // leaves out streams that are cover pictures.
     let mut command = Command::new("ffprobe");
     command
@@ -131,7 +136,9 @@ fn probe_command(entries: &str) -> Command {
             "-v",
             "quiet",
             "-protocol_whitelist",
-            "file,pipe",
+            "file",
+            "-f",
+            demuxer,
             "-of",
             "flat",
             "-select_streams",
@@ -204,7 +211,7 @@ mod tests {
                  streams.stream.0.time_base=\"1/12800\"\n\
                  streams.stream.0.side_data_list.side_data.0.rotation={rotation}\n"
             );
-            let stated = Stream::from_properties(&Properties::read(&output))
+            let stated = Stream::from_properties("mov", &Properties::read(&output))
                 .unwrap()
                 .stated;
             assert_eq!(stated.size, size);

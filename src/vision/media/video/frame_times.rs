@@ -6,7 +6,7 @@
 
 use super::capture::Capture;
 use super::comb::{is_combed, may_be_interlaced};
-use super::container::Container;
+use super::container::ContainerKind;
 use super::player::{Player, ReadOutcome};
 use super::sample_table::sample_times_s;
 use super::{CountProgress, FrameClock, VideoInfo};
@@ -117,14 +117,14 @@ pub(super) fn count_to_the_end(
 /// the first frames or those sampled later on do not have the times listed.
 pub(super) fn verified_sample_times_s(
     path: &Path,
-    container: Container,
+    kind: ContainerKind,
     lead_times_s: &[Option<f64>],
     player: &mut Player,
     info: &VideoInfo,
 ) -> Result<Option<Vec<f64>>, MediaError> {
     /// Number of frames sampled over the video. The last ones cannot be reached by a seek.
     const LOOKED_AT: usize = 4;
-    let table = if container == Container::Mp4 {
+    let table = if kind == ContainerKind::Mp4 {
         sample_times_s(path)?
     } else {
         None

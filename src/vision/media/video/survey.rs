@@ -10,7 +10,7 @@
 use super::backend::{DescribedVideo, VideoBackend};
 use super::capture::Capture;
 use super::comb::{count_combed_in_middle, is_combed, may_be_interlaced};
-use super::container::{Container, container_of};
+use super::container::{ContainerKind, container_of};
 use super::frame_times::{
     Counter, EXACT_S, ROUNDED_S, clock_from_times, count_to_the_end, deviation_s, is_uneven,
     play_through, times_go_back, verified_sample_times_s,
@@ -54,14 +54,15 @@ pub(super) fn survey(
     backend: VideoBackend,
     progress: &Progress<'_, CountProgress>,
 ) -> Result<Survey, MediaError> {
-    // Text is refused before a backend reads it, and the stated size before a frame is decoded.
+    // What is no video is refused before a backend reads it, and the stated size before a frame is
+    // decoded.
     let container = container_of(path)?;
-    let described = DescribedVideo::new(path, backend)?;
+    let described = DescribedVideo::new(path, container, backend)?;
     let mut capture = described.open(path)?;
     let stated = *capture.stated_properties();
     let size = stated.size;
     ImageLimits::default().check(path, size.width, size.height)?;
-    let preroll = if container == Container::Stream {
+    let preroll = if container.kind == ContainerKind::Stream {
         PREROLL_FRAMES
     } else {
         0
@@ -131,7 +132,7 @@ pub(super) fn survey(
         // 3. Constant rate: an MP4 states the mean rate over all frames, which equals that of the
         //    first ones exactly only if it is constant.
         let may_be_even = lead_deviation_s
-            <= if container == Container::Mp4 {
+            <= if container.kind == ContainerKind::Mp4 {
                 EXACT_S
             } else {
                 ROUNDED_S
@@ -144,14 +145,14 @@ pub(super) fn survey(
         // Other containers state a nominal rate: the count by time must equal the number of
         // packets.
         let is_sure = counted.is_some()
-            && (container == Container::Mp4
+            && (container.kind == ContainerKind::Mp4
                 || described.count_packets(path, &mut |count| counter.at(count))? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
             info.decoded_frames = count;
         } else {
             // 4. No constant rate: times by the sample table, or by decoding everything.
             let times_s = if let Some(times_s) =
-                verified_sample_times_s(path, container, &lead.times_s, &mut player, &info)?
+                verified_sample_times_s(path, container.kind, &lead.times_s, &mut player, &info)?
             {
                 times_s.into_iter().map(Some).collect()
             } else {

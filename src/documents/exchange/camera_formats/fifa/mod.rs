@@ -18,7 +18,9 @@ mod arrays;
 mod lenses;
 
 use crate::document::{Document, FieldSpec};
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, SequenceScope, WriteContext, has_ending,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::{note_several_cameras, parts};
 use crate::exchange::cameras::into_document::{Exactness, View};
@@ -99,6 +101,10 @@ impl CameraFormat for Fifa {
         note.into_iter()
             .chain(note_several_cameras(frames))
             .collect()
+    }
+
+    fn sequence(&self) -> Option<SequenceScope> {
+        Some(SequenceScope::All)
     }
 
     fn write(

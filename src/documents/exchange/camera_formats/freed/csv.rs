@@ -2,7 +2,9 @@
 
 use super::sample::{CAMERA, Sample};
 use super::{Reading, hold, notes, samples, second_camera_note};
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, SequenceScope, WriteContext, has_ending,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
@@ -43,6 +45,10 @@ impl CameraFormat for FreeDCsv {
 
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
         notes(frames, context)
+    }
+
+    fn sequence(&self) -> Option<SequenceScope> {
+        Some(SequenceScope::All)
     }
 
     fn write(

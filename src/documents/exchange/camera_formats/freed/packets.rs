@@ -2,9 +2,11 @@
 
 use super::sample::{PACKET, Sample};
 use super::{Reading, hold, notes, samples, second_camera_note};
-use crate::exchange::cameras::camera_format::{CameraFormat, EXACT_PX, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, EXACT_PX, SequenceScope, WriteContext, has_ending,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
-use crate::exchange::cameras::held::cannot_hold;
+use crate::exchange::cameras::held::{cannot_hold, note_lost_gaps};
 use crate::exchange::cameras::into_document::Exactness;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, refuse_archive};
@@ -48,7 +50,13 @@ impl CameraFormat for FreeD {
     }
 
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
-        notes(frames, context)
+        let mut notes = notes(frames, context);
+        notes.extend(note_lost_gaps(frames));
+        notes
+    }
+
+    fn sequence(&self) -> Option<SequenceScope> {
+        Some(SequenceScope::All)
     }
 
     fn write(

@@ -2,6 +2,7 @@
 
 use super::FreeD;
 use super::sample::{PACKET, Sample, checksum};
+use crate::document::{Document, Frame, VideoFrame};
 use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::files::Files;
 use crate::exchange::format::Format;
@@ -157,6 +158,84 @@ fn two_cameras_in_one_stream_are_said_when_it_is_written() {
             "{notes}"
         );
     }
+}
+
+/// Frames of the reference camera, each of a video and its number there.
+fn frames_of_videos(frames: &[(&str, u64)]) -> Document {
+    let mut document = reference();
+    let frame = (*document.frames[0]).clone();
+    let frames = frames.iter().map(|(video, number)| {
+        let of_video =
+            Frame::from_video(VideoFrame::new(video, *number, None), "main".into(), SIZE);
+        let solved = Frame {
+            id: of_video.id,
+            image: None,
+            video: of_video.video,
+            ..frame.clone()
+        };
+        solved.into()
+    });
+    document.frames = frames.collect();
+    document
+}
+
+#[test]
+fn two_videos_or_folders_are_never_one_sequence() {
+    let export = |document: &Document, format| {
+        crate::exchange::export(
+            document.at(std::path::Path::new("/")),
+            format,
+            &crate::exchange::ExportOptions::default(),
+        )
+    };
+    let videos = frames_of_videos(&[("a/match.mp4", 1), ("b/match.mp4", 2)]);
+    let mut images = videos.clone();
+    for (frame, image) in images.frames.iter_mut().zip(["a/1.jpg", "b/2.jpg"]) {
+        let of_image = Frame::from_image(image, "main".into(), SIZE);
+        (frame.id, frame.image, frame.video) = (of_image.id, of_image.image, None);
+    }
+    let sequences = [
+        Format::FreeD,
+        Format::FreeDCsv,
+        Format::Chan,
+        Format::Fifa,
+        Format::Usda,
+    ];
+    let with_videos = sequences.into_iter().chain([Format::Csv]);
+    let cases = with_videos
+        .map(|format| (&videos, format, "a/match.mp4#1 and b/match.mp4#2"))
+        .chain(sequences.map(|format| (&images, format, "a/1.jpg and b/2.jpg")));
+    for (document, format, frames) in cases {
+        let refusal = export(document, format).unwrap_err().to_string();
+        assert_eq!(
+            refusal,
+            format!(
+                "{frames} would be in one sequence, and {format} names neither video nor folder; \
+                 export them one camera or folder at a time"
+            )
+        );
+    }
+    let mut cameras = images;
+    let mut other = (*cameras.cameras[0]).clone();
+    other.id = "other".into();
+    cameras.cameras.push(other.into());
+    cameras.frames[1].camera = "other".into();
+    cameras.frames[1].image = Some("a/2.jpg".to_owned());
+    assert!(export(&cameras, Format::FreeD).is_err());
+    assert_eq!(export(&cameras, Format::Usda).unwrap().frames, 2);
+}
+
+#[test]
+fn a_gap_in_packets_without_numbers_is_noted() {
+    let gaps = frames_of_videos(&[("match.mp4", 1), ("match.mp4", 3), ("match.mp4", 7)]);
+    let notes = export_as(&gaps, Format::FreeD).notes.concat();
+    assert!(
+        notes.contains("frame 3 follows frame 1 as if nothing were between them"),
+        "{notes}"
+    );
+    let whole = frames_of_videos(&[("match.mp4", 7), ("match.mp4", 8)]);
+    let notes = export_as(&whole, Format::FreeD).notes.concat();
+    assert!(!notes.contains("frame numbers"), "{notes}");
 }
 
 #[test]

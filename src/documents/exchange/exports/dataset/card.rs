@@ -60,6 +60,22 @@ const CONVENTIONS: &str = "\n## Conventions\n
 `clicks_only` (no camera). A click with `snapped_sigma_px` was moved to the paint; one with `check` was held out of the solve.
 ";
 
+/// A name from somebody's file as Markdown that shows it: no HTML, link, code or line break.
+fn escape(name: &str) -> String {
+    let mut text = String::with_capacity(name.len());
+    for letter in name.chars() {
+        match letter {
+            '&' => text.push_str("&amp;"),
+            '<' => text.push_str("&lt;"),
+            '>' => text.push_str("&gt;"),
+            '[' | ']' | '`' | '\\' => text.extend(['\\', letter]),
+            _ if letter.is_control() => text.push(' '),
+            _ => text.push(letter),
+        }
+    }
+    text
+}
+
 /// A Markdown table of names and counts.
 fn table(head: [&str; 2], rows: impl IntoIterator<Item = (String, String)>, text: &mut String) {
     // Writing to a string cannot fail.
@@ -147,7 +163,7 @@ fn counts(card: &Card<'_>, text: &mut String) {
     table_of_counts(
         ["camera", "frames"],
         frames.iter().map(|frame| &frame.camera),
-        ToString::to_string,
+        |camera| escape(camera.as_str()),
         text,
     );
 }
@@ -175,7 +191,7 @@ fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
         };
         said.insert(format!(
             "- {}, {} × {} m, crown {} m; its size is {size}.\n",
-            spec.template,
+            escape(&spec.template),
             in_millimetres(model.length_m),
             in_millimetres(model.width_m),
             in_millimetres(spec.crown_m())
@@ -312,7 +328,7 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     table_of_counts(
         ["warning", "frames"],
         warned,
-        |code| format!("`{code}`"),
+        |code| format!("`{}`", code.replace(['`', '\n', '\r'], " ")),
         text,
     );
     let clicked: BTreeSet<&str> = frames
@@ -373,7 +389,8 @@ fn provenance(card: &Card<'_>, text: &mut String) {
     let frames = &card.original.document.frames;
     let names = match_names(frames.iter().map(|frame| &**frame));
     let matches = frames.iter().map(|frame| describe_match(frame, &names));
-    table_of_counts(["video or folder", "frames"], matches, String::clone, text);
+    let name = |of_match: &String| escape(of_match);
+    table_of_counts(["video or folder", "frames"], matches, name, text);
     let annotators: BTreeSet<String> = frames
         .iter()
         .filter_map(|frame| frame.edited.as_ref()?.by.clone())
@@ -382,7 +399,7 @@ fn provenance(card: &Card<'_>, text: &mut String) {
     let annotators = if annotators.is_empty() {
         "not stated".to_owned()
     } else {
-        annotators.join(", ")
+        escape(&annotators.join(", "))
     };
     let pictures = match card.options.pictures {
         Pictures::Copied => "copies of the files that were labelled; frames of videos are decoded",
@@ -408,4 +425,16 @@ fn provenance(card: &Card<'_>, text: &mut String) {
             .click_noise_in_use()
             .map_or_else(|| "the template's".to_owned(), |noise| noise.describe()),
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::escape;
+
+    #[test]
+    fn a_name_is_shown_and_never_run() {
+        let shown = escape("<script>a & b</script>\n[x](http://a) `c` main_2");
+        let expected = "&lt;script&gt;a &amp; b&lt;/script&gt; \\[x\\](http://a) \\`c\\` main_2";
+        assert_eq!(shown, expected);
+    }
 }

@@ -18,13 +18,13 @@ use crate::document::{
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{base_name, cannot_write};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use touchline_assets::DATASET_LOADER;
 use touchline_core::files::{
     folder_of, follow_link, refuse_other_files, replace_folder, temporary_folder_in,
 };
 use touchline_core::progress::{Progress, Share};
-use touchline_vision::media::{Picture, ReadFrames, sha256_of_file};
+use touchline_vision::media::{Picture, ReadFrames, sha256_of_file, video_file_id};
 
 /// The files that every dataset has.
 const ALWAYS_WRITTEN: [&str; 7] = [
@@ -69,6 +69,7 @@ pub fn write_dataset(
         of_frame: BTreeMap::new(),
         left_out: plan.left_out.clone(),
         pictures: 0,
+        videos: BTreeMap::new(),
     };
     for frame in &plan.frames {
         written.add(at, frame, options, reader, &mut files)?;
@@ -197,6 +198,8 @@ struct Written {
     of_frame: BTreeMap<FrameId, Hashes>,
     left_out: Vec<(String, String)>,
     pictures: usize,
+    /// What the videos on the disk are recognised by.
+    videos: BTreeMap<PathBuf, Option<String>>,
 }
 
 impl Written {
@@ -212,6 +215,12 @@ impl Written {
         let Some(frame) = at.document.frames.by_id(&planned.id) else {
             return Ok(());
         };
+        if self.is_of_other_video(frame, at.folder) {
+            let why =
+                "its video is not the one that was labelled; put that one back, or label it anew";
+            self.left_out.push((planned.name.clone(), why.to_owned()));
+            return Ok(());
+        }
         match write_pictures(at, planned, frame, options, reader, files)? {
             Ok(hashes) => {
                 self.pictures += planned.num_pictures();
@@ -220,6 +229,17 @@ impl Written {
             Err(why) => self.left_out.push((planned.name.clone(), why)),
         }
         Ok(())
+    }
+
+    /// Whether a frame has its picture from a video that was replaced by another one.
+    fn is_of_other_video(&mut self, frame: &Frame, folder: &Path) -> bool {
+        let Some(video) = frame.video.as_ref().filter(|_| frame.image.is_none()) else {
+            return false;
+        };
+        let path = video.file_path(folder);
+        let found = self.videos.entry(path);
+        let found = found.or_insert_with_key(|path| video_file_id(path).ok());
+        video.is_of_other_file(found.as_deref())
     }
 }
 

@@ -40,6 +40,8 @@ pub struct AttachmentCandidate {
     pub counting: Counting,
     /// The cameras that have a frame, in their order; no frame occurs twice.
     pub pairs: Vec<AttachedPair>,
+    /// Which number of the names it is, where they have several: `f00017 in f00017_t000680ms.jpg`.
+    pub number: Option<String>,
 }
 
 /// The numbers of cameras beside those of a video's frames.
@@ -192,6 +194,7 @@ impl<'a> NumberedCameras<'a> {
                 first_number: shift,
                 counting,
                 pairs,
+                number: None,
             },
             inside,
             rank,

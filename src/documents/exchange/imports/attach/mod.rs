@@ -26,7 +26,7 @@ use crate::document::{DocumentAt, Frame, Frames, Shared, VideoFrame, resolve_pat
 use crate::exchange::files::{base_name, stem, without_ending};
 use crate::exchange::format::Format;
 use candidates::{NumberedCameras, is_most};
-use numbers::{numbers_in_names, without_word_ending};
+use numbers::{NameNumbers, numbers_in_names, without_word_ending};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -131,9 +131,11 @@ pub fn plan_attachment(
         return Ok(None);
     }
     // Without numbers only equal counts leave no doubt about which camera is of which frame.
-    let (matched_by, numbers) = match numbers_of(imported) {
+    let (matched_by, runs) = match numbers_of(imported) {
         Some(known) => known,
-        None if frames.len() == video.frames.len() => (MatchedBy::Order, video.indices_in_order()),
+        None if frames.len() == video.frames.len() => {
+            (MatchedBy::Order, vec![only(video.indices_in_order())])
+        }
         None => {
             return Err(NotAttached::CountsDiffer {
                 video: video.name(),
@@ -143,31 +145,43 @@ pub fn plan_attachment(
         }
     };
     // Several cameras of one number are several cameras of one moment: files of two cameras in one
-    // folder.
-    let distinct = numbers.iter().flatten().collect::<BTreeSet<_>>().len();
-    if !is_most(distinct, numbers.iter().flatten().count()) {
+    // folder. All runs of the names have equally many numbers.
+    let numbers = || {
+        runs.iter()
+            .take(1)
+            .flat_map(|run| run.numbers.iter().flatten())
+    };
+    let distinct = numbers().collect::<BTreeSet<_>>().len();
+    if !is_most(distinct, numbers().count()) {
         return Err(NotAttached::NumbersRepeat {
             video: video.name(),
             cameras: frames.len(),
             distinct,
         });
     }
-    // This program's exports count from 0, stated numbers are those of video frames, and an order
-    // begins with the first frame.
-    let counts_from_zero =
-        matched_by != MatchedBy::Number || are_names_of_exports(imported, &video, &numbers);
     let indices = video.indices();
-    let cameras = NumberedCameras::new(&numbers, &indices, counts_from_zero);
-    let mut candidates = cameras
-        .as_ref()
-        .map(NumberedCameras::candidates)
-        .unwrap_or_default();
+    let (mut candidates, mut range) = (Vec::new(), None);
+    for NameNumbers { numbers, shown_at } in &runs {
+        // This program's exports count from 0, stated numbers are those of video frames, and an
+        // order begins with the first frame.
+        let counts_from_zero =
+            matched_by != MatchedBy::Number || are_names_of_exports(imported, &video, numbers);
+        let Some(cameras) = NumberedCameras::new(numbers, &indices, counts_from_zero) else {
+            continue;
+        };
+        range.get_or_insert(cameras.range());
+        let of_run = cameras.candidates().into_iter();
+        candidates.extend(of_run.map(|candidate| AttachmentCandidate {
+            number: shown_at.clone(),
+            ..candidate
+        }));
+    }
     // An order fits in one way; other candidates are of numbers that mean nothing here.
     if matched_by == MatchedBy::Order {
         candidates.truncate(1);
     }
     if candidates.is_empty() {
-        let [first, last] = cameras.map_or([0, 0], |cameras| cameras.range());
+        let [first, last] = range.unwrap_or_default();
         return Err(NotAttached::NumbersDoNotFit {
             video: video.name(),
             cameras: frames.len(),
@@ -205,7 +219,7 @@ impl Attachment {
         };
         self.candidates
             .iter()
-            .filter(|other| other.counting == first.counting)
+            .filter(|other| (other.counting, &other.number) == (first.counting, &first.number))
             .filter_map(|other| {
                 let [from, to] = [first, other].map(|way| i64::try_from(way.first_number).ok());
                 from?.checked_sub(to?)
@@ -282,17 +296,28 @@ impl Attachment {
             MatchedBy::Number => "by the numbers in their names",
             MatchedBy::Order => "in their order",
         };
+        let which = |candidate: &AttachmentCandidate| {
+            let number = candidate.number.as_ref();
+            number.map_or_else(String::new, |number| format!(" ({number})"))
+        };
         let mut note = format!(
-            "{} {verb} attached to {} {by}",
+            "{} {verb} attached to {} {by}{}",
             pluralise(attached, kind),
-            self.video.name()
+            self.video.name(),
+            which(candidate)
         );
         if self.matched_by != MatchedBy::Order {
             // Writing to a string cannot fail.
             let _ = write!(note, ", {}", describe_counting(candidate));
             let other = self.candidates.iter().find(|other| *other != candidate);
             if let Some(other) = other {
-                let _ = write!(note, "; {} they fit, too", describe_counting(other));
+                let counting = describe_counting(other);
+                let which = if other.number == candidate.number {
+                    String::new()
+                } else {
+                    which(other)
+                };
+                let _ = write!(note, "; {counting}{which} they fit, too");
             }
         }
         note
@@ -439,7 +464,7 @@ fn has_own_picture(frame: &Frame, folder: &Path, places: &Places<'_>) -> bool {
 }
 
 /// The numbers of imported frames and where they are from; none where they have none.
-fn numbers_of(imported: &Imported) -> Option<(MatchedBy, Vec<Option<u64>>)> {
+fn numbers_of(imported: &Imported) -> Option<(MatchedBy, Vec<NameNumbers>)> {
     // Rows of arrays and packets have no numbers, and frames without a camera have none of them.
     if matches!(imported.format, Format::Fifa | Format::FreeD) {
         return None;
@@ -450,15 +475,24 @@ fn numbers_of(imported: &Imported) -> Option<(MatchedBy, Vec<Option<u64>>)> {
         .map(|frame| frame.video_frame_index())
         .collect();
     if stated.iter().all(Option::is_some) {
-        return Some((MatchedBy::Index, stated));
+        return Some((MatchedBy::Index, vec![only(stated)]));
     }
     let names: Vec<String> = frames.iter().map(|frame| frame.name()).collect();
-    let by_name = numbers_in_names(&names)?;
-    let numbers = stated
-        .into_iter()
-        .zip(by_name)
-        .map(|(stated, by_name)| stated.or(by_name));
-    Some((MatchedBy::Number, numbers.collect()))
+    let mut runs = numbers_in_names(&names);
+    for run in &mut runs {
+        for (number, stated) in run.numbers.iter_mut().zip(&stated) {
+            *number = stated.or(*number);
+        }
+    }
+    (!runs.is_empty()).then_some((MatchedBy::Number, runs))
+}
+
+/// Numbers beside which there are no others.
+const fn only(numbers: Vec<Option<u64>>) -> NameNumbers {
+    NameNumbers {
+        numbers,
+        shown_at: None,
+    }
 }
 
 /// Whether names are those that this program's exports give the frames of a video:
