@@ -247,19 +247,18 @@ fn solve_gives_ptz_and_solution_and_keeps_statuses() {
         2,
         "it exists"
     );
-    assert_eq!(
-        touchline(
-            folder.path(),
-            "solve out/solved.json -o out/solved.json --force"
-        )
-        .code,
-        0
-    );
-    assert_eq!(
-        fs::read_to_string(folder.path().join("out/solved.json.bak")).unwrap(),
-        first,
-        "what was there is kept"
-    );
+    let in_place = "solve out/solved.json -o out/solved.json --force";
+    let written = || fs::read_to_string(folder.path().join("out/solved.json")).unwrap();
+    let kept = || fs::read_to_string(folder.path().join("out/solved.json.bak"));
+    assert_eq!(touchline(folder.path(), in_place).code, 0);
+    assert_eq!(written(), first, "nothing to solve");
+    assert!(kept().is_err(), "nothing was replaced");
+    let (_, mut fewer, _) = read(&folder.path().join("out/solved.json")).unwrap();
+    fewer.frames[0].clicks.pop();
+    let fewer = document_to_string(&fewer).unwrap();
+    fs::write(folder.path().join("out/solved.json"), &fewer).unwrap();
+    assert_eq!(touchline(folder.path(), in_place).code, 0);
+    assert!(written() != fewer && kept().unwrap() == fewer);
 }
 
 #[test]
