@@ -3,11 +3,12 @@
 use super::Outcome;
 use super::match_report::MatchReport;
 use super::new::{parameter, read_field};
-use crate::cli::terminal::document::{Loaded, is_document, refuse_unwritable};
+use crate::cli::terminal::document::{
+    Destination, DocumentOutput, Loaded, is_document, refuse_unwritable,
+};
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::{
-    encode_png, refuse_existing, refuse_existing_file, refuse_file, refuse_other_than_png,
-    write_file,
+    encode_png, refuse_existing_file, refuse_file, refuse_other_than_png, write_file,
 };
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, RgbaImage};
@@ -20,7 +21,7 @@ use touchline_calibration::pipelines::{LabelledMatch, MatchLabels, MatchOptions,
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
-use touchline_documents::store::{Location, refuse_open, write_document};
+use touchline_documents::store::PROJECT_FILE;
 use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 
 /// Makes a project from a folder of images or a video and finds its camera without a click: where
@@ -72,9 +73,12 @@ pub struct CalibrateArgs {
 /// written.
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
     // Check the output paths and the field before the long work begins.
-    refuse_existing(&args.output, args.force)?;
-    refuse_open(&args.output)?;
     refuse_file(&args.output, "the project")?;
+    let output = DocumentOutput {
+        output: Some(args.output.clone()),
+        force: args.force,
+    };
+    let output = output.reserve("calibrate", &[&args.frames], messages)?;
     if let Some(panorama) = &args.panorama {
         refuse_other_than_png("--panorama", panorama)?;
         refuse_existing_file(panorama, args.force)?;
@@ -84,7 +88,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let new_folder = NewFolder::make(&args.output)?;
     let folder = args.output.canonicalize()?;
     let (mut document, are_all_read) = if is_document(&args.frames) {
-        (read_document(args, &folder, messages)?, true)
+        (read_document(args, &folder, &output)?, true)
     } else {
         document_of_frames(args, &folder, messages)?
     };
@@ -126,12 +130,11 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     };
     // Write the project and the panoramas.
     let all = &labelled.cameras;
-    let location = Location::for_new_document(&folder.join(""))?;
-    write_document(&location, &document, args.force)?;
+    output.write(document.clone(), &folder)?;
     new_folder.keep();
     messages.note(&format!(
         "{}: {}, {} with a suggested camera, {} of them aligned to the painted lines",
-        location.file().display(),
+        folder.join(PROJECT_FILE).display(),
         pluralise(document.frames.len(), "frame"),
         all.iter().map(|found| found.frames.len()).sum::<usize>(),
         all.iter()
@@ -166,14 +169,14 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
 fn read_document(
     args: &CalibrateArgs,
     folder: &Path,
-    messages: Messages,
+    output: &Destination,
 ) -> anyhow::Result<Document> {
     ensure!(
         args.field.is_none() && args.set.is_empty(),
         "{}: a document states its field; leave out --field and --set",
         args.frames.display()
     );
-    let Loaded { location, document } = Loaded::read(&args.frames, messages)?;
+    let Loaded { location, document } = output.read(&args.frames)?;
     let with_base = document
         .cameras
         .iter()

@@ -250,7 +250,15 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
 /// # Errors
 /// The document cannot be read, the format cannot represent it, or the result cannot be written.
 pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let input = &args.document.document;
+    args.output.refuse_input(input)?;
+    // A document is written as such, and locked until then; all else by `exported.write` below.
+    let output = if args.format == Some(Format::Json) {
+        args.output.reserve("export", &[], messages)?
+    } else {
+        args.output.refuse_for_export()?;
+        DocumentOutput::default().reserve("export", &[], messages)?
+    };
     let Loaded { location, document } = args.document.load(messages)?;
     // Check the names of cameras first: a wrong one would export no frame.
     let unknown = args.camera.iter().find(|name| {
@@ -285,8 +293,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     };
     // A complete JSON export is the document itself and needs no conversion.
     if format == Format::Json && frames == FrameChoice::default() {
-        args.output
-            .write(document.into_dataset(), location.folder())?;
+        output.write(document.into_dataset(), location.folder())?;
         return Ok(Outcome::Done);
     }
     let options = ExportOptions {
@@ -332,7 +339,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     }
     match (exported.dataset(), &args.output.output) {
         // Write a document as such: with backup, lock, and paths changed to lead to the same files.
-        (Some((dataset, folder)), _) => args.output.write(dataset.clone(), folder)?,
+        (Some((dataset, folder)), _) => output.write(dataset.clone(), folder)?,
         (None, Some(path)) => {
             refuse_existing(path, args.output.force)?;
             exported.write(path, args.output.force)?;

@@ -120,7 +120,7 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
 /// # Errors
 /// The files cannot be read or are damaged, or the document cannot be written.
 pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let output = args.output.reserve("import", &[&args.path], messages)?;
     let format = recognize(args.format, &args.path, messages)?;
     let video = args.video.as_deref();
     let video = video.map(|video| open_video(video, messages)).transpose()?;
@@ -159,7 +159,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         0
     };
     let (frames, cameras) = (document.frames.len(), document.cameras.len());
-    args.output.write(document, &imported.folder)?;
+    output.write(document, &imported.folder)?;
     messages.note(&format!(
         "{} of {}",
         pluralise(frames, "frame"),

@@ -7,7 +7,7 @@ use super::track::TrackingReport;
 use crate::cli::terminal::attached_labels::{
     AttachedLabels, attach_to_video, note_format, open_video, read_labels, recognize,
 };
-use crate::cli::terminal::document::{DocumentOutput, Loaded};
+use crate::cli::terminal::document::{Destination, DocumentOutput, Loaded};
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::{Messages, StepBar};
 use crate::cli::terminal::output::print;
@@ -71,9 +71,9 @@ struct CamerasToMend {
 /// The video or the cameras cannot be read, there is nothing to mend, or the document cannot be
 /// written.
 pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let output = args.output.reserve("mend", &[&args.video], messages)?;
     if let Some(format) = format_of_cameras_alone(args)? {
-        return mend_cameras_alone(args, format, messages);
+        return mend_cameras_alone(args, format, output, messages);
     }
     let CamerasToMend {
         mut document,
@@ -81,7 +81,7 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
         shifts,
     } = match &args.cameras {
         Some(cameras) => read_cameras(args, cameras, messages)?,
-        None => read_document(&args.video, messages)?,
+        None => read_document(&args.video, &output)?,
     };
     messages.name_video_backend(&document);
     // What differs from it at the end counts as edited.
@@ -111,7 +111,7 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
     messages.notes(&mended.common);
     messages.notes(&mended.not_aligned);
     let left = report_left(&document, &mended, messages);
-    args.output.write(document, &folder)?;
+    output.write(document, &folder)?;
     // Without -o the document itself goes to standard output, where a table would damage it.
     if args.output.output.is_some() {
         print(&tally_table(&mended).to_text())?;
@@ -142,6 +142,7 @@ fn format_of_cameras_alone(args: &MendArgs) -> anyhow::Result<Option<Format>> {
 fn mend_cameras_alone(
     args: &MendArgs,
     format: Format,
+    output: Destination,
     messages: Messages,
 ) -> anyhow::Result<Outcome> {
     note_format(format, messages);
@@ -165,7 +166,7 @@ fn mend_cameras_alone(
             messages.frame_failed(&frame.name(), "no camera beside it is near enough");
         }
     }
-    args.output.write(document, &folder)?;
+    output.write(document, &folder)?;
     // As above: standard output may have the document.
     if args.output.output.is_some() {
         print(&numbers_table(&mended).to_text())?;
@@ -202,8 +203,8 @@ fn read_cameras(
 }
 
 /// A document whose frames have imported cameras.
-fn read_document(path: &Path, messages: Messages) -> anyhow::Result<CamerasToMend> {
-    let Loaded { location, document } = Loaded::read(path, messages)?;
+fn read_document(path: &Path, output: &Destination) -> anyhow::Result<CamerasToMend> {
+    let Loaded { location, document } = output.read(path)?;
     Ok(CamerasToMend {
         document,
         folder: location.folder().to_path_buf(),

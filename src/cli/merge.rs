@@ -1,14 +1,14 @@
 //! `touchline merge`: joins several people's versions of one document.
 
 use super::Outcome;
-use crate::cli::terminal::document::{DocumentOutput, Loaded};
+use crate::cli::terminal::document::{Destination, DocumentOutput, Loaded};
 use crate::cli::terminal::messages::Messages;
 use anyhow::Context as _;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
 use touchline_core::geometry::pluralise;
-use touchline_documents::document::{Document, Merged, merge as merge_documents};
+use touchline_documents::document::{Document, Merged, Restored, merge as merge_documents};
 use touchline_documents::exchange::restore_version;
 use touchline_documents::store;
 
@@ -18,14 +18,16 @@ use touchline_documents::store;
 /// differently is listed, exit 1: the first one's stays, and each other's frames are written, with
 /// its cameras, to a document of its own beside the result (….conflicts.json,
 /// ….conflicts2.json and so on). Frames that were solved on another base or field than the result
-/// has are solved again. Packages of `touchline split` are taken as they come back.
+/// has are solved again. Packages of `touchline split` are taken as they come back: BASE may have
+/// gone on since, and what was done in it counts as a change, too. A version of another match is
+/// refused.
 #[derive(clap::Args, Debug)]
 pub struct MergeArgs {
-    /// The document that all of them started from.
+    /// The document that all of them started from, or what has become of it since.
     #[arg(value_name = "BASE")]
     base: PathBuf,
     /// What each of them made of it, or of a package of it.
-    #[arg(value_name = "VERSION", required = true, num_args = 2..)]
+    #[arg(value_name = "VERSION", required = true, num_args = 1..)]
     versions: Vec<PathBuf>,
     #[command(flatten)]
     output: DocumentOutput,
@@ -37,27 +39,37 @@ pub struct MergeArgs {
 /// # Errors
 /// A document cannot be read, or the result cannot be written.
 pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let mut inputs = vec![args.base.as_path()];
+    inputs.extend(args.versions.iter().map(PathBuf::as_path));
+    let output = args.output.reserve("merge", &inputs, messages)?;
     let Loaded {
         location,
         document: base,
-    } = Loaded::read(&args.base, messages)?;
+    } = output.read(&args.base)?;
     let folder = location.folder();
-    // The first version is the result so far; every further one is merged into it.
-    let mut merged: Option<Document> = None;
-    let mut versions = Vec::with_capacity(args.versions.len());
+    // The base is the result so far; every version is merged into it. Suggestions of the versions
+    // come first, so that those of the base are put back at the end.
+    let mut merged = base.without_suggestions();
+    let mut sides = Vec::with_capacity(args.versions.len() + 1);
     let mut not_taken = ConflictingVersions::default();
     for path in &args.versions {
-        let version = read_version(&base, folder, path, messages)?;
-        versions.push(version.clone());
-        let Some(ours) = merged.take() else {
-            merged = Some(version);
-            continue;
-        };
+        let restored = read_version(&base, folder, path, &output)?;
+        let side = restored.side();
+        let missing = restored.missing_frames(&base);
+        if missing > 0 {
+            messages.note(&format!(
+                "{} lacks {} in which work was done since; what was done stays",
+                path.display(),
+                pluralise(missing, "frame")
+            ));
+        }
+        let Restored {
+            common, version, ..
+        } = restored;
         let Merged {
             document,
             conflicts,
-        } = merge_documents(&base, &ours, &version);
+        } = merge_documents(&common, &merged, &version);
         for conflict in &conflicts {
             messages.frame_failed(
                 conflict,
@@ -68,15 +80,17 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
             );
         }
         not_taken.add(&version, &document, conflicts);
-        merged = Some(document);
+        merged = document;
+        sides.push(side);
     }
-    let mut merged = merged.context("give at least one version")?;
+    merged.add_suggestions_of(&base);
+    sides.push(base);
     // Only after all versions are merged: a frame that is solved again would look like a change of
     // the versions so far, and conflict with the work of those that follow.
-    let is_solved = solve_on_merged_base(&mut merged, &versions, folder, messages);
-    drop(versions);
+    let is_solved = solve_on_merged_base(&mut merged, &sides, folder, messages);
+    drop(sides);
     let frames = merged.frames.len();
-    args.output.write(merged, folder)?;
+    output.write(merged, folder)?;
     messages.note(&format!(
         "{} of {} versions, {}",
         pluralise(frames, "frame"),
@@ -92,11 +106,12 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
         for (index, document) in not_taken.documents.into_iter().enumerate() {
             let beside = beside(output, index + 1);
             written.push(beside.display().to_string());
-            DocumentOutput {
+            let beside = DocumentOutput {
                 output: Some(beside),
                 force: args.output.force,
-            }
-            .write(document, folder)?;
+            };
+            let beside = beside.reserve("merge", &[], messages)?;
+            beside.write(document, folder)?;
         }
         messages.note(&format!(
             "the other versions of what two changed are in {}",
@@ -112,18 +127,18 @@ pub fn merge(args: &MergeArgs, messages: Messages) -> anyhow::Result<Outcome> {
 /// document has, and reports their numbers. False if they cannot be solved, which is reported, too.
 fn solve_on_merged_base(
     merged: &mut Document,
-    versions: &[Document],
+    sides: &[Document],
     folder: &Path,
     messages: Messages,
 ) -> bool {
-    let is_same = versions
+    let is_same = sides
         .iter()
-        .all(|version| version.cameras == merged.cameras && version.field == merged.field);
+        .all(|side| side.cameras == merged.cameras && side.field == merged.field);
     if is_same {
         return true;
     }
     let before = merged.clone();
-    let sides: Vec<&Document> = versions.iter().collect();
+    let sides: Vec<&Document> = sides.iter().collect();
     let solved = solve_after_merge(merged, &sides, folder);
     merged.count_edits_since(&before);
     match solved {
@@ -152,16 +167,18 @@ fn solve_on_merged_base(
     }
 }
 
-/// Reads a version. Its relative paths are changed to start from the base's folder, and a package
-/// gets the frames of the base that it lacks.
+/// Reads a version, and the state that it has in common with the base. Its relative paths are
+/// changed to start from the base's folder, and a package gets the frames of the base that it lacks.
 fn read_version(
     base: &Document,
     folder: &Path,
     path: &Path,
-    messages: Messages,
-) -> anyhow::Result<Document> {
-    let Loaded { location, document } = Loaded::read(path, messages)?;
-    let moved = restore_version(base.at(folder), &document)?;
+    output: &Destination,
+) -> anyhow::Result<Restored> {
+    let Loaded { location, document } = output.read(path)?;
+    let restored =
+        restore_version(base.at(folder), &document).with_context(|| path.display().to_string())?;
+    let moved = restored.version;
     // Frames of the base have the base's paths already; only new frames need relocation.
     let mut relocated = moved.clone().relocate(location.folder(), folder);
     for frame in &mut relocated.frames {
@@ -172,11 +189,20 @@ fn read_version(
         {
             *frame = known.clone();
         }
+        // Of suggestions only those that were made in the version are its own.
+        let ours = base.frames.by_id(&frame.id);
+        if frame.shows_suggestion() && ours.is_some_and(|ours| ours == frame) {
+            *frame = frame.without_suggestion().into();
+        }
     }
-    Ok(Document {
-        field: moved.field,
-        cameras: moved.cameras,
-        ..relocated
+    Ok(Restored {
+        common: restored.common,
+        own: restored.own,
+        version: Document {
+            field: moved.field,
+            cameras: moved.cameras,
+            ..relocated
+        },
     })
 }
 

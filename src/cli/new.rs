@@ -9,7 +9,7 @@ use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{FieldSpec, document_from_frames};
-use touchline_documents::store::{Location, write_document};
+use touchline_documents::store::{Location, PROJECT_FILE, refuse_other_file, write_document};
 use touchline_vision::media::FrameSource;
 
 /// Makes a project from a folder of images or a video. The frames stay where they are.
@@ -55,6 +55,7 @@ pub(super) fn parameter(text: &str) -> Result<(String, f64), String> {
 /// The project's folder exists, the field is invalid, or no frame can be read.
 pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.folder, args.force)?;
+    refuse_other_file(&args.folder.join(PROJECT_FILE))?;
     refuse_file(&args.folder, "the project")?;
     let field = read_field(&args.field, &args.set)?;
     let source = FrameSource::open(&args.frames)?;

@@ -3,7 +3,7 @@
 
 use super::Outcome;
 use super::export::parse_finite;
-use super::solve::solve_and_report;
+use super::solve::{DecidedArg, solve_and_report};
 use super::track::track_and_report;
 use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
 use crate::cli::terminal::messages::Messages;
@@ -23,7 +23,8 @@ use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
 use touchline_vision::media::{CachedReader, FrameReader, KEPT_BYTES, Picture};
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the
-/// rejected ones; every frame is solved with them, statuses stay.
+/// rejected ones; every frame is solved with them, statuses stay. A camera that was set by hand,
+/// aligned to paint or accepted from another source is not solved again.
 #[derive(clap::Args, Debug)]
 pub struct RefineBaseArgs {
     #[command(flatten)]
@@ -49,6 +50,8 @@ pub struct RefineBaseArgs {
     /// adjustment with the clicks; each frame is then pulled onto its lines.
     #[arg(long)]
     markings: bool,
+    #[command(flatten)]
+    decided: DecidedArg,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -86,11 +89,12 @@ fn crown(text: &str) -> Result<Crown, String> {
 /// # Errors
 /// The document cannot be read, no camera's base can be estimated, or the result cannot be written.
 pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let input = &args.document.document;
+    let output = args.output.reserve("refine-base", &[input], messages)?;
     let Loaded {
         location,
         mut document,
-    } = args.document.load(messages)?;
+    } = output.read(input)?;
     messages.name_video_backend(&document);
     // Compared with the result at the end, for the count of edits. `before`, below, has the tracked
     // cameras too, and shows which proposals were made with the old bases.
@@ -164,7 +168,12 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         report(estimate, &document, messages);
         estimate.write_camera(&mut document);
     }
-    let counts = solve_and_report(&mut document, location.folder(), messages)?;
+    let counts = solve_and_report(
+        &mut document,
+        location.folder(),
+        (&args.decided).into(),
+        messages,
+    )?;
     // Align the frames to their painted lines, with the new base.
     for found in &on_paint {
         report_on_paint(found, messages);
@@ -194,7 +203,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         estimate.mark_disputes(&mut document);
     }
     document.count_edits_since(&original);
-    args.output.write(document, location.folder())?;
+    output.write(document, location.folder())?;
     messages.note(&format!(
         "{} estimated, {} solved",
         pluralise(estimates.len(), "camera"),

@@ -1,7 +1,9 @@
 //! `touchline relocalize`: finds the cameras of unclicked frames with a trained forest.
 
 use super::Outcome;
-use crate::cli::terminal::document::{DocumentOutput, Loaded, is_document, refuse_unwritable};
+use crate::cli::terminal::document::{
+    Destination, DocumentOutput, Loaded, is_document, refuse_unwritable,
+};
 use crate::cli::terminal::features::{FeaturesArg, tell_refusal};
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::Messages;
@@ -86,7 +88,7 @@ pub(super) fn probability(text: &str) -> Result<f64, String> {
 /// The forest or the input cannot be read, a camera's base differs from the forest's, or the result
 /// cannot be written.
 pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let output = reserve(args, messages)?;
     let interrupt = Interrupt::listen();
     let bytes = read_named(&args.forest, MAX_FOREST_BYTES)
         .with_context(|| format!("cannot read {}", args.forest.display()))?;
@@ -99,7 +101,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         file,
         folder,
         skipped,
-    } = read_input(args, &model, taught.clone(), messages)?;
+    } = read_input(args, &model, taught.clone(), &output)?;
     // The forest's rays are pan and tilt in the base of its training. A document without a base
     // takes that one; under another one its answers would be wrong, which is an error.
     adopt_bases(&mut document, &taught, &model)?;
@@ -182,7 +184,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         }
     }
     document.count_edits_since(&before);
-    write(&args.output, document.clone(), &folder)?;
+    write(&args.output, output, document.clone(), &folder)?;
     // Stopped early: `--resume` continues with what has been written.
     if looked_at < queried.len() {
         let kept = args.output.output.as_ref().map_or_else(
@@ -259,12 +261,12 @@ fn read_input(
     args: &RelocalizeArgs,
     model: &ForestModel,
     taught: Document,
-    messages: Messages,
+    output: &Destination,
 ) -> anyhow::Result<Input> {
     if let [path] = &args.inputs[..]
         && is_document(path)
     {
-        let Loaded { location, document } = Loaded::read(path, messages)?;
+        let Loaded { location, document } = output.read(path)?;
         let file = Some(location.file().to_path_buf());
         return Ok(Input {
             document,
@@ -305,7 +307,9 @@ fn read_input(
         for image in listed {
             if let Err(error) = add_image(&mut input, model, &image) {
                 input.skipped += 1;
-                messages.frame_failed(&image.display().to_string(), &format!("{error:#}"));
+                output
+                    .messages
+                    .frame_failed(&image.display().to_string(), &format!("{error:#}"));
             }
         }
     }
@@ -340,10 +344,26 @@ fn is_lines_file(path: &Path) -> bool {
     ending(path) == "jsonl"
 }
 
+/// Checks where the result goes, and locks a document there.
+fn reserve(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<Destination> {
+    // A file of frames is no document.
+    if args.output.output.as_deref().is_some_and(is_lines_file) {
+        args.output.refuse_for_export()?;
+        return DocumentOutput::default().reserve("relocalize", &[], messages);
+    }
+    let inputs: Vec<&Path> = args.inputs.iter().map(PathBuf::as_path).collect();
+    args.output.reserve("relocalize", &inputs, messages)
+}
+
 /// Writes the document; to a `.jsonl` file its frames, one per line.
-fn write(output: &DocumentOutput, document: Document, folder: &Path) -> anyhow::Result<()> {
+fn write(
+    output: &DocumentOutput,
+    destination: Destination,
+    document: Document,
+    folder: &Path,
+) -> anyhow::Result<()> {
     let Some(path) = output.output.as_deref().filter(|path| is_lines_file(path)) else {
-        return output.write(document, folder);
+        return destination.write(document, folder);
     };
     let parent = resolve_path(folder_of(path));
     let moved = document.relocate(folder, &parent);
@@ -372,7 +392,9 @@ mod tests {
             let mut document = Document::new(FieldSpec::new("soccer"));
             let frame = Frame::from_image(image, "main".into(), ImageSize::new(64, 36));
             document.frames.push(frame.into());
-            write(&output, document, folder.path())
+            let destination =
+                DocumentOutput::default().reserve("relocalize", &[], Messages::Text)?;
+            write(&output, destination, document, folder.path())
         };
         let refused = written("clip-\u{fffd}/1.jpg").unwrap_err().to_string();
         assert!(refused.contains("is not UTF-8"), "{refused}");

@@ -42,11 +42,12 @@ fn reach(text: &str) -> Result<f64, String> {
 /// # Errors
 /// The document cannot be read, its field is invalid, or the result cannot be written.
 pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let input = &args.document.document;
+    let output = args.output.reserve("snap", &[input], messages)?;
     let Loaded {
         location,
         mut document,
-    } = args.document.load(messages)?;
+    } = output.read(input)?;
     let before = document.clone();
     let fields = Fields::from_document(document.at(location.folder()))?;
     // With --from-nothing the lines are searched first, and the camera that is found is aligned by
@@ -108,7 +109,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     bar.finish_and_clear();
     document.count_edits_since(&before);
-    args.output.write(document, location.folder())?;
+    output.write(document, location.folder())?;
     let Counts {
         snapped,
         found,

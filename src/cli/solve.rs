@@ -5,13 +5,14 @@ use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
 use crate::cli::terminal::messages::{Messages, count_steps};
 use std::path::Path;
 use touchline_calibration::calibrate::{
-    SolveOutcome, check_cameras, check_frame, record_line_check, solve_document,
+    DecidedFrames, SolveOutcome, check_cameras, check_frame, record_line_check, solve_document_with,
 };
 use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Document, DocumentAt, Fields, FrameStatus};
 
-/// Solves every frame with enough clicks; statuses stay as they are.
+/// Solves every frame with enough clicks; statuses stay as they are. A camera that was set by hand,
+/// aligned to paint or accepted from another source stays, too.
 #[derive(clap::Args, Debug)]
 pub struct SolveArgs {
     #[command(flatten)]
@@ -22,6 +23,27 @@ pub struct SolveArgs {
     /// written into its solution.
     #[arg(long)]
     line_check: bool,
+    #[command(flatten)]
+    decided: DecidedArg,
+}
+
+/// Whether decided frames are solved.
+#[derive(clap::Args, Debug)]
+pub(super) struct DecidedArg {
+    /// Also solve frames whose camera was set by hand, aligned to paint or accepted from another
+    /// source, and replace it.
+    #[arg(long)]
+    replace_decided: bool,
+}
+
+impl From<&DecidedArg> for DecidedFrames {
+    fn from(arg: &DecidedArg) -> Self {
+        if arg.replace_decided {
+            Self::Replace
+        } else {
+            Self::Keep
+        }
+    }
 }
 
 /// Solves the document and writes it. [`Outcome::SomeFailed`] if a frame with enough clicks has no
@@ -30,11 +52,12 @@ pub struct SolveArgs {
 /// # Errors
 /// The document cannot be read, its field is invalid, or the result cannot be written.
 pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let input = &args.document.document;
+    let output = args.output.reserve("solve", &[input], messages)?;
     let Loaded {
         location,
         mut document,
-    } = args.document.load(messages)?;
+    } = output.read(input)?;
     let before = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
@@ -43,14 +66,19 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
         solved,
         failed,
         passed,
-    } = solve_and_report(&mut document, location.folder(), messages)?;
+    } = solve_and_report(
+        &mut document,
+        location.folder(),
+        (&args.decided).into(),
+        messages,
+    )?;
     if args.line_check {
         check_lines(&mut document, location.folder(), messages)?;
     }
     report_cameras(document.at(location.folder()), messages);
     document.count_edits_since(&before);
     drop(before);
-    args.output.write(document, location.folder())?;
+    output.write(document, location.folder())?;
     messages.note(&format!(
         "{} solved, {failed} failed, {passed} with too few clicks",
         pluralise(solved, "frame")
@@ -76,21 +104,31 @@ pub(super) struct SolveCounts {
 pub(super) fn solve_and_report(
     document: &mut Document,
     folder: &Path,
+    decided: DecidedFrames,
     messages: Messages,
 ) -> anyhow::Result<SolveCounts> {
     let bar = messages.progress(document.frames.len(), "Solving");
-    let outcomes = solve_document(document, folder, &count_steps(&bar))?;
+    let outcomes = solve_document_with(document, folder, decided, &count_steps(&bar))?;
     bar.finish_and_clear();
     let mut counts = SolveCounts::default();
+    let mut kept = 0;
     for (frame, outcome) in document.frames.iter().zip(&outcomes) {
         match outcome {
             SolveOutcome::Solved => counts.solved += 1,
+            SolveOutcome::Kept => kept += 1,
             SolveOutcome::Failed(error) => {
                 counts.failed += 1;
                 messages.frame_failed(&frame.name(), &error.to_string());
             }
             _ => counts.passed += 1,
         }
+    }
+    if kept > 0 {
+        messages.note(&format!(
+            "{} with enough clicks kept as decided: the camera was set by hand, aligned to paint \
+             or accepted from another source; --replace-decided solves them, too",
+            pluralise(kept, "frame")
+        ));
     }
     Ok(counts)
 }

@@ -72,11 +72,12 @@ fn frame_number(text: &str) -> Option<usize> {
 /// # Errors
 /// The document cannot be read, its field is invalid, or the result cannot be written.
 pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    args.output.refuse_existing()?;
+    let input = &args.document.document;
+    let output = args.output.reserve("track", &[input], messages)?;
     let Loaded {
         location,
         mut document,
-    } = args.document.load(messages)?;
+    } = output.read(input)?;
     messages.name_video_backend(&document);
     let before = document.clone();
     let clip = TrackClipOptions {
@@ -105,7 +106,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Stopped);
     }
     document.count_edits_since(&before);
-    args.output.write(document, location.folder())?;
+    output.write(document, location.folder())?;
     if found.is_stopped {
         messages.note(&format!(
             "stopped: {} of finished clips tracked and written; to go on, track the document \

@@ -12,14 +12,13 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::SystemTime;
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_documents::document::{
     Camera, CameraId, Click, Document, Frame, FrameId, FrameStatus, MAX_CLICKS, RejectReason,
     Target, VideoFrame, document_from_bytes, document_to_string, resolve_path,
 };
-use touchline_documents::store::{self, Location, StoreError};
+use touchline_documents::store::{self, FilesRead, Location, StoreError};
 
 /// A project or dataset: a field, cameras, frames. Read it with `load`.
 ///
@@ -32,18 +31,9 @@ pub struct PyDocument {
     before: Document,
     pub folder: PathBuf,
     file: Option<PathBuf>,
-    /// The file's state when it was read or last saved.
-    file_state: Option<FileState>,
+    /// What its files held when it was read or last saved.
+    files: Option<FilesRead>,
     reader: Mutex<KeptVideo>,
-}
-
-/// The size and modification time of a file, by which a change of another program is seen.
-type FileState = (u64, SystemTime);
-
-/// The present state of a file; none where the system does not give it.
-fn file_state(path: &Path) -> Option<FileState> {
-    let metadata = path.metadata().ok()?;
-    Some((metadata.len(), metadata.modified().ok()?))
 }
 
 /// Reads a document: a project folder, its `project.json`, or a dataset file. Edits in its journal
@@ -51,25 +41,22 @@ fn file_state(path: &Path) -> Option<FileState> {
 #[pyfunction]
 pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyDocument> {
     let read = progress::run(py, None, move |steps| read(&path, steps))?;
-    let (location, document, file_state) = read.map_err(failure)?;
+    let (location, document, files) = read.map_err(failure)?;
     let file = Some(location.file().to_path_buf());
     Ok(PyDocument {
-        file_state,
+        files: Some(files),
         ..PyDocument::new(document, location.folder().to_path_buf(), file)
     })
 }
 
-/// Reads a document, and notes what was recovered from its journal. Returns its file's state as
-/// well.
-fn read(path: &Path, steps: &Steps) -> Result<(Location, Document, Option<FileState>), StoreError> {
-    // The state is that from before the file is read: if another program writes the file in
-    // between, `save` notices it.
-    let state = file_state(Location::find(path)?.file());
-    let (location, document, recovery) = store::read(path)?;
+/// Reads a document, and notes what was recovered from its journal. Returns what its files held as
+/// well, by which `save` notices what other programs write meanwhile.
+fn read(path: &Path, steps: &Steps) -> Result<(Location, Document, FilesRead), StoreError> {
+    let (location, document, recovery, files) = store::read_with_state(path)?;
     if let Some(message) = recovery.message() {
         steps.note(message);
     }
-    Ok((location, document, state))
+    Ok((location, document, files))
 }
 
 /// A frame of a video by its index.
@@ -88,7 +75,7 @@ impl PyDocument {
             before: document.clone(),
             document,
             folder,
-            file_state: file.as_deref().and_then(file_state),
+            files: None,
             file,
             reader: Mutex::default(),
         }
@@ -151,7 +138,25 @@ impl PyDocument {
                  rename the folder"
             )));
         }
-        store::write_document(&location, &written, overwrite).map_err(failure)?;
+        let is_own = self.file.as_deref() == Some(location.file());
+        // The own file is written as long as it is the one that was read; any other, or one that
+        // another program changed, is replaced.
+        let written_back = self
+            .files
+            .as_ref()
+            .filter(|_| is_own)
+            .map(|files| files.write_back(&location, &written));
+        let files = match written_back {
+            Some(Err(StoreError::ChangedOutside { .. })) if overwrite => None,
+            Some(written) => Some(written.map_err(failure)?),
+            None => None,
+        };
+        let files = match files {
+            Some(files) => files,
+            None => store::write_document(&location, &written, overwrite)
+                .and_then(|()| FilesRead::now(&location))
+                .map_err(failure)?,
+        };
         // A document of no file moves to the first one. A copy elsewhere changes neither place nor
         // paths.
         if self.file.is_none() {
@@ -161,7 +166,7 @@ impl PyDocument {
         }
         // A copy elsewhere says nothing of the document's own file.
         if self.file.as_deref() == Some(location.file()) {
-            self.file_state = file_state(location.file());
+            self.files = Some(files);
         }
         self.before = document.clone();
         self.document = document;
@@ -212,12 +217,7 @@ impl PyDocument {
                 "path: the document was not read from a file; say where to save it",
             ));
         };
-        // Size and time of modification are compared, not the content: reading it again would take
-        // as long as loading it.
-        if !overwrite && path.exists() && file_state(&path) != self.file_state {
-            return Err(failure(StoreError::ChangedOutside { path }));
-        }
-        without_panic(|| self.write(&path, true))
+        without_panic(|| self.write(&path, overwrite))
     }
 
     /// The file that it was read from, or first saved to.

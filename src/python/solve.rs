@@ -12,7 +12,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::Path;
 use touchline_calibration::calibrate::{
-    BaseProblem, SolveOutcome, follow_all_bases, observations, solve_document,
+    BaseProblem, DecidedFrames, SolveOutcome, follow_all_bases, observations, solve_document_with,
 };
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::pluralise;
@@ -94,20 +94,24 @@ pub fn solve_frame(
     })
 }
 
-/// Solves every frame of a document with enough clicks, as `touchline solve`. Statuses stay.
+/// Solves every frame of a document with enough clicks, as `touchline solve`. Statuses stay. Frames
+/// whose camera was set by hand, aligned to paint or accepted from another source keep it, unless
+/// `replace_decided`; the report's notes count them.
 ///
 /// `progress(done, of)` is called as frames are done; what it raises, or Ctrl-C, stops the work and
 /// leaves the document as it was.
 #[pyfunction]
-#[pyo3(signature = (document, progress = None))]
+#[pyo3(signature = (document, progress = None, replace_decided = false))]
 pub fn solve(
     document: &Bound<'_, PyDocument>,
     progress: Option<&Bound<'_, PyAny>>,
+    replace_decided: bool,
 ) -> PyResult<Report> {
+    let decided = decided_frames(replace_decided);
     let (mut solved, folder) = document.try_borrow()?.copy();
     let (outcomes, solved) = progress::run(document.py(), progress, |steps| {
         let all = solved.frames.len();
-        let outcomes = solve_document(&mut solved, &folder, &steps.count(all));
+        let outcomes = solve_document_with(&mut solved, &folder, decided, &steps.count(all));
         (outcomes, solved)
     })?;
     let report = report(&solved, &outcomes.map_err(failure)?);
@@ -115,14 +119,32 @@ pub fn solve(
     Ok(report)
 }
 
+const fn decided_frames(replace: bool) -> DecidedFrames {
+    if replace {
+        DecidedFrames::Replace
+    } else {
+        DecidedFrames::Keep
+    }
+}
+
 /// What became of the frames.
 fn report(document: &Document, outcomes: &[SolveOutcome]) -> Report {
     let mut report = Report::default();
+    let kept = outcomes
+        .iter()
+        .filter(|outcome| matches!(outcome, SolveOutcome::Kept));
+    let kept = kept.count();
+    if kept > 0 {
+        report.notes.push(format!(
+            "{} with enough clicks kept as decided; replace_decided=True solves them, too",
+            pluralise(kept, "frame")
+        ));
+    }
     for (frame, outcome) in document.frames.iter().zip(outcomes) {
         match outcome {
             SolveOutcome::Solved => report.solved += 1,
             SolveOutcome::Failed(error) => report.fail(frame, error),
-            // Too few clicks: the frame is left as it is, which is no failure.
+            // Too few clicks, or decided: the frame is left as it is, which is no failure.
             _ => report.passed += 1,
         }
     }
@@ -147,10 +169,11 @@ fn lens_model(name: &str) -> PyResult<Option<LensModel>> {
 /// clicks of all frames but rejected ones, and solves all frames, as `touchline refine-base`.
 ///
 /// Three and more frames with four landmarks or lines each are a good start. `crown_m`: None chooses it by
-/// cross-validation. `progress(done, of)` as in `solve`.
+/// cross-validation. `progress(done, of)` and `replace_decided` as in `solve`.
 #[pyfunction]
 #[pyo3(signature = (
-    document, distortion = "auto", crown_m = None, principal_point = true, progress = None
+    document, distortion = "auto", crown_m = None, principal_point = true, progress = None,
+    replace_decided = false
 ))]
 pub fn estimate_base(
     document: &Bound<'_, PyDocument>,
@@ -158,7 +181,9 @@ pub fn estimate_base(
     crown_m: Option<f64>,
     principal_point: bool,
     progress: Option<&Bound<'_, PyAny>>,
+    replace_decided: bool,
 ) -> PyResult<Report> {
+    let decided = decided_frames(replace_decided);
     if crown_m.is_some_and(|crown_m| !crown_m.is_finite()) {
         return Err(PyValueError::new_err("crown_m: a finite number is needed"));
     }
@@ -170,7 +195,7 @@ pub fn estimate_base(
     };
     let (mut solved, folder) = document.try_borrow()?.copy();
     let estimated = progress::run(document.py(), progress, |steps| {
-        estimate_all(&mut solved, &folder, &options, steps).map(|report| (solved, report))
+        estimate_all(&mut solved, &folder, &options, decided, steps).map(|report| (solved, report))
     })?;
     let (solved, report) = estimated.map_err(failure)?;
     document.try_borrow_mut()?.document = solved;
@@ -182,6 +207,7 @@ fn estimate_all(
     document: &mut Document,
     folder: &Path,
     options: &BaseOptions,
+    decided: DecidedFrames,
     steps: &Steps,
 ) -> Result<Report, String> {
     // Every camera is estimated from the document as it was, so that their order does not matter.
@@ -210,8 +236,8 @@ fn estimate_all(
     }
     // Progress begins again: the steps of the estimates count iterations, these count frames.
     let counting = steps.count(document.frames.len());
-    let outcomes =
-        solve_document(document, folder, &counting).map_err(|error| error.to_string())?;
+    let outcomes = solve_document_with(document, folder, decided, &counting)
+        .map_err(|error| error.to_string())?;
     // Proposals that were made with the old base are no longer valid.
     let withdrawn = follow_all_bases(document, &before);
     if withdrawn > 0 {
@@ -221,8 +247,7 @@ fn estimate_all(
     for estimate in &estimates {
         estimate.mark_disputes(document);
     }
-    Ok(Report {
-        notes,
-        ..report(document, &outcomes)
-    })
+    let mut report = report(document, &outcomes);
+    report.notes.splice(..0, notes);
+    Ok(report)
 }

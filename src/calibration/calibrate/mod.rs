@@ -67,7 +67,9 @@ pub use frames::better_camera::{BetterCamera, better_camera};
 pub use frames::calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use frames::frame_lookup::FrameLookup;
 pub(crate) use frames::own_covariance::{covariance_on_paint, own_covariance};
-pub use frames::solve_all::{SolveOutcome, solve_document};
+pub use frames::solve_all::{
+    DecidedFrames, SolveOutcome, is_decided, solve_document, solve_document_with,
+};
 pub use frames::solve_frames::{is_by_clicks, record_outcome};
 pub use frames::which_camera::{AssignError, add_camera_like, assign_to_camera};
 pub use gold::{can_choose_gold, choose_gold};

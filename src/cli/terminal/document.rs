@@ -4,8 +4,12 @@ use super::messages::Messages;
 use super::output::{ending, is_pipe_or_device, print, refuse_existing, write_file};
 use anyhow::bail;
 use std::path::{Path, PathBuf};
+use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Document, document_to_string};
-use touchline_documents::store::{self, Location, refuse_open, write_document};
+use touchline_documents::store::{
+    self, Location, OpenForWriting, Recovery, Reserved, open_for_writing, refuse_document, reserve,
+    write_document,
+};
 
 /// The document that a command reads.
 #[derive(clap::Args, Debug)]
@@ -16,7 +20,7 @@ pub struct DocumentArg {
 }
 
 /// Where a command writes a document.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Debug, Default)]
 pub struct DocumentOutput {
     /// The document to write, a file or a folder; standard output if absent.
     #[arg(short, long, value_name = "OUT")]
@@ -51,10 +55,14 @@ impl Loaded {
     /// There is no document at the path, or it cannot be read.
     pub fn read(path: &Path, messages: Messages) -> anyhow::Result<Self> {
         let (location, document, recovery) = store::read(path)?;
-        if let Some(message) = recovery.message() {
-            messages.note(&message);
-        }
+        report_recovery(&recovery, messages);
         Ok(Self { location, document })
+    }
+}
+
+fn report_recovery(recovery: &Recovery, messages: Messages) {
+    if let Some(message) = recovery.message() {
+        messages.note(&message);
     }
 }
 
@@ -79,33 +87,127 @@ pub fn refuse_unwritable(document: &Document, folder: &Path) -> anyhow::Result<(
 }
 
 impl DocumentOutput {
-    /// Refuses an output that exists, or a document that another program has open. To be called
-    /// before the work begins.
+    /// Checks where the result of a command goes and locks a document that is there, before the
+    /// work begins. A document that is also one of the `inputs` is read here, and the result is
+    /// joined with it.
     ///
     /// # Errors
-    /// The output exists and `--force` was not given, or another program has it open.
-    pub fn refuse_existing(&self) -> anyhow::Result<()> {
+    /// The output exists and `--force` was not given, is no document, or another program has it
+    /// open.
+    pub fn reserve(
+        &self,
+        command: &'static str,
+        inputs: &[&Path],
+        messages: Messages,
+    ) -> anyhow::Result<Destination> {
+        let mut destination = Destination {
+            command,
+            output: self.output.clone(),
+            force: self.force,
+            place: Place::Free,
+            messages,
+        };
+        let Some(path) = self.output.as_deref() else {
+            return Ok(destination);
+        };
+        refuse_existing(path, self.force)?;
+        if is_pipe_or_device(path) {
+            return Ok(destination);
+        }
+        // Locked now: otherwise the work of hours would be lost at the end.
+        if inputs.iter().any(|input| is_same_document(input, path)) {
+            let opened = open_for_writing(path)?;
+            report_recovery(&opened.recovery, messages);
+            destination.place = Place::Input(Box::new(opened));
+        } else if let Some(reserved) = reserve(path)? {
+            destination.place = Place::Other(reserved);
+        }
+        Ok(destination)
+    }
+}
+
+impl DocumentOutput {
+    /// Refuses an output for which an export is no document: one that exists without `--force`, and
+    /// any document, whatever its name.
+    ///
+    /// # Errors
+    /// It is one of these.
+    pub fn refuse_for_export(&self) -> anyhow::Result<()> {
         let Some(path) = self.output.as_deref() else {
             return Ok(());
         };
         refuse_existing(path, self.force)?;
-        // Check now: otherwise the work of hours would be lost at the end.
-        Ok(refuse_open(path)?)
+        Ok(refuse_document(path)?)
+    }
+
+    /// Refuses an output that is the input: what an export leaves out would be lost.
+    ///
+    /// # Errors
+    /// It is the input.
+    pub fn refuse_input(&self, input: &Path) -> anyhow::Result<()> {
+        match &self.output {
+            Some(path) if is_same_document(input, path) => bail!(
+                "{} is the document that is exported; give another -o",
+                path.display()
+            ),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether two paths lead to the same document.
+fn is_same_document(one: &Path, other: &Path) -> bool {
+    match [one, other].map(Location::find) {
+        [Ok(one), Ok(other)] => one.is_same_document(&other),
+        _ => false,
+    }
+}
+
+/// Where a command writes its document, checked and locked before the work begins.
+pub struct Destination {
+    command: &'static str,
+    output: Option<PathBuf>,
+    force: bool,
+    place: Place,
+    /// The messages of the command.
+    pub messages: Messages,
+}
+
+/// What is at a destination.
+enum Place {
+    /// Nothing, a pipe, or standard output.
+    Free,
+    /// The document that the command reads.
+    Input(Box<OpenForWriting>),
+    /// Another document.
+    Other(Reserved),
+}
+
+impl Destination {
+    /// Reads an input of the command, and reports what was recovered from its journal.
+    ///
+    /// # Errors
+    /// There is no document at the path, or it cannot be read.
+    pub fn read(&self, path: &Path) -> anyhow::Result<Loaded> {
+        match &self.place {
+            Place::Input(opened) if is_same_document(path, opened.location.file()) => Ok(Loaded {
+                location: opened.location.clone(),
+                document: opened.document.clone(),
+            }),
+            _ => Loaded::read(path, self.messages),
+        }
     }
 
     /// Writes a document whose relative paths start from `folder`. They are changed so that they
     /// lead to the same files from the new place.
     ///
     /// # Errors
-    /// The output exists, or cannot be written. Nothing has been changed then.
-    pub fn write(&self, document: Document, folder: &Path) -> anyhow::Result<()> {
+    /// The output was made meanwhile, or cannot be written. Nothing has been changed then.
+    pub fn write(self, document: Document, folder: &Path) -> anyhow::Result<()> {
         // A pipe or a device gets the text alone. It has no folder, so that paths start from the
         // working folder, and there is nothing to lock or to keep as a backup.
-        let file = self
-            .output
-            .as_deref()
-            .filter(|path| !is_pipe_or_device(path));
-        let Some(path) = file else {
+        let file = self.output.as_deref();
+        let Some(path) = file.filter(|path| !is_pipe_or_device(path)) else {
             let here = std::env::current_dir()?;
             let document = document.relocate(folder, &here);
             refuse_unwritable(&document, &here)?;
@@ -115,13 +217,35 @@ impl DocumentOutput {
                 None => print(&text),
             };
         };
-        refuse_existing(path, self.force)?;
-        // The check before the work is repeated above, for the file may have been made since. The
-        // paths can be checked only here: which folders they name depends on the place of the
+        // The paths can be checked only here: which folders they name depends on the place of the
         // document.
-        let location = Location::for_new_document(path)?;
-        let document = document.relocate(folder, location.folder());
-        refuse_unwritable(&document, location.folder())?;
-        Ok(write_document(&location, &document, self.force)?)
+        let relocate = |location: &Location| {
+            let document = document.relocate(folder, location.folder());
+            refuse_unwritable(&document, location.folder()).map(|()| document)
+        };
+        match self.place {
+            Place::Free => {
+                // A file that was made since is refused as before the work.
+                refuse_existing(path, self.force)?;
+                let location = Location::for_new_document(path)?;
+                write_document(&location, &relocate(&location)?, self.force)?;
+            }
+            Place::Other(reserved) => {
+                let document = relocate(reserved.location())?;
+                reserved.write(&document)?;
+            }
+            Place::Input(opened) => {
+                let document = relocate(&opened.location)?;
+                let kept = opened.commit(&document, &format!("touchline {}", self.command))?;
+                if let Some(first) = kept.first() {
+                    self.messages.note(&format!(
+                        "another program changed the document meanwhile: {} kept as it made them, \
+                         the first is {first}",
+                        pluralise(kept.len(), "frame")
+                    ));
+                }
+            }
+        }
+        Ok(())
     }
 }

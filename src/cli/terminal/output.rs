@@ -9,7 +9,7 @@ use touchline_core::files::{
     refuse_part_of_project, remove_stray_files, temporary_file_in, way_out,
 };
 use touchline_documents::report::Report;
-use touchline_documents::store::{write_new, write_output};
+use touchline_documents::store::{refuse_document, write_new, write_output};
 
 /// Refuses a path that exists, unless `force`, and a path that cannot be written. To be called
 /// before the work begins.
@@ -140,6 +140,7 @@ pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> 
         refuse_to_replace(path, force)?;
     }
     refuse_part_of_project(path)?;
+    refuse_document(path)?;
     // A link to a missing file exists for `symlink_metadata`, and is written through. A new file is
     // not replaced if another program makes it after this check: `write_new` refuses it.
     let is_new = !force && std::fs::symlink_metadata(path).is_err();

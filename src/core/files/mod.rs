@@ -25,7 +25,9 @@ pub use replace::{
     IsReplaced, NotReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files,
     refuse_part_of_project, replace_folder,
 };
-pub use temporary::{remove_stray_files, temporary_file_in, temporary_folder_in};
+pub use temporary::{
+    remove_stray_files, temporary_file_in, temporary_folder_in, temporary_link_to,
+};
 
 use std::io::{Error, ErrorKind};
 use std::path::Path;

@@ -1,10 +1,11 @@
 //! Temporary files and folders beside the path to which they are renamed once they are complete.
 
+use super::folder_of;
 use std::fs::{self, Metadata};
 use std::io;
 use std::path::Path;
 use std::time::Duration;
-use tempfile::{Builder, NamedTempFile, TempDir};
+use tempfile::{Builder, NamedTempFile, TempDir, TempPath};
 
 /// Prefix and suffix of temporary names.
 const NAME: (&str, &str) = (".touchline-", ".tmp");
@@ -26,6 +27,19 @@ pub fn temporary_file_in(folder: &Path) -> io::Result<NamedTempFile> {
     }
     builder
         .tempfile_in(folder)
+        .map_err(|error| without_name(&error))
+}
+
+/// Gives a file a second, temporary name in its folder: a hard link.
+///
+/// # Errors
+/// The file system has no hard links, or as [`temporary_file_in`].
+pub fn temporary_link_to(path: &Path) -> io::Result<TempPath> {
+    Builder::new()
+        .prefix(NAME.0)
+        .suffix(NAME.1)
+        .make_in(folder_of(path), |name| fs::hard_link(path, name))
+        .map(NamedTempFile::into_temp_path)
         .map_err(|error| without_name(&error))
 }
 

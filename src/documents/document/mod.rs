@@ -158,5 +158,7 @@ pub use text::write::{WriteError, document_to_string};
 pub(crate) use versions::common_base::common_base;
 pub(crate) use versions::graft::graft;
 pub use versions::merge::{Merged, merge};
+pub(crate) use versions::merge::{join_result, merge_newer};
 pub use versions::package::{restore_package, split_into_packages};
+pub use versions::restored::{OtherPictures, Restored};
 pub use video_shots::{ShotsError, VideoShots};

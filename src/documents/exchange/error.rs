@@ -1,6 +1,7 @@
 //! Errors of imports and exports.
 
 use super::format::Format;
+use crate::document::OtherPictures;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -180,6 +181,9 @@ pub enum ExchangeError {
         /// Where.
         path: PathBuf,
     },
+    /// A version of another match, which has the same names of pictures.
+    #[error("{} of {} pictures are others than the document has under their names, the first is {}: it is of another match", _0.count, _0.known, _0.first)]
+    OtherPictures(OtherPictures),
     /// Pictures and videos outside the project, which the user may not expect to be passed on.
     #[error("{} outside of the project, the first is {}; --outside-pictures copies them too", pluralise(*count, "file"), first.display())]
     Outside {

@@ -5,6 +5,7 @@ use super::calls;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use tempfile::{NamedTempFile, TempPath};
 pub(super) use touchline_core::files::folder_of;
 
 /// Writes a file so that a crash or a full disk at any moment leaves the old content or the new
@@ -14,21 +15,46 @@ pub(super) use touchline_core::files::folder_of;
 /// # Errors
 /// The folder is missing or not writable, or the disk is full; the old file is untouched.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_whole(path, bytes, true, &|| false).map(drop)
+    write_whole(path, bytes, true)
 }
 
-/// Writes a file as [`write_atomically`] does, unless `is_replaced` says that another program has
-/// replaced the old one meanwhile. Returns whether it was written. The check comes after the flush,
-/// just before the rename: the flush takes long enough for a sync client to write the file.
+/// Replaces a file as [`write_atomically`] does and keeps the old one as `backup`, unless
+/// `is_replaced` says that another program has replaced the old one meanwhile. Returns whether it
+/// was written. The check comes after the flush, just before the rename: the flush takes long
+/// enough for a sync client to write the file.
+///
+/// An older backup is replaced only after the file was: a write that fails costs neither.
 ///
 /// # Errors
-/// As [`write_atomically`].
-pub(super) fn write_unless_replaced(
+/// As [`write_atomically`], or the backup cannot be made.
+pub(super) fn write_keeping_backup(
     path: &Path,
     bytes: &[u8],
+    backup: &Path,
     is_replaced: &dyn Fn() -> bool,
 ) -> io::Result<bool> {
-    write_whole(path, bytes, true, is_replaced)
+    // A folder in the place of the backup could not be replaced, which would show too late.
+    if fs::symlink_metadata(backup).is_ok_and(|there| there.is_dir()) {
+        return Err(io::Error::new(
+            io::ErrorKind::IsADirectory,
+            format!("the backup {} is a folder", backup.display()),
+        ));
+    }
+    let file = write_temporary(path, bytes)?;
+    if is_replaced() {
+        return Ok(false);
+    }
+    let old = if path.exists() {
+        Some(name_temporarily(path)?)
+    } else {
+        None
+    };
+    calls::persist(file, path, true)?;
+    if let Some(old) = old {
+        calls::persist_name(old, backup)?;
+    }
+    calls::flush_folder(folder_of(path))?;
+    Ok(true)
 }
 
 /// Writes a new file. A file that another program creates meanwhile is not replaced.
@@ -36,21 +62,23 @@ pub(super) fn write_unless_replaced(
 /// # Errors
 /// The file exists; otherwise as [`write_atomically`].
 pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_whole(path, bytes, false, &|| false).map(drop)
+    write_whole(path, bytes, false)
 }
 
 /// Writes a file by way of a temporary one. `replace` decides whether a file at `path` may be
-/// replaced. Returns false, without writing it, if `is_replaced` is true just before the rename.
-fn write_whole(
-    path: &Path,
-    bytes: &[u8],
-    replace: bool,
-    is_replaced: &dyn Fn() -> bool,
-) -> io::Result<bool> {
+/// replaced.
+fn write_whole(path: &Path, bytes: &[u8], replace: bool) -> io::Result<()> {
+    let file = write_temporary(path, bytes)?;
+    calls::persist(file, path, replace)?;
+    calls::flush_folder(folder_of(path))
+}
+
+/// Writes the future content of a file under a temporary name beside it, with the permissions of
+/// the file that it will replace.
+fn write_temporary(path: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     // In the same folder, because a rename is atomic only within a file system. If a call fails,
     // the temporary file is deleted as it is dropped.
-    let folder = folder_of(path);
-    let mut file = calls::temporary_in(folder)?;
+    let mut file = calls::temporary_in(folder_of(path))?;
     calls::write_all(file.as_file_mut(), bytes)?;
     if let Ok(old) = fs::metadata(path) {
         file.as_file().set_permissions(old.permissions())?;
@@ -58,12 +86,14 @@ fn write_whole(
     // The content must be on the disk before the name: otherwise a power cut could leave the new
     // name with an empty file.
     calls::flush(file.as_file(), file.path())?;
-    if is_replaced() {
-        return Ok(false);
-    }
-    calls::persist(file, path, replace)?;
-    calls::flush_folder(folder)?;
-    Ok(true)
+    Ok(file)
+}
+
+/// Gives a file a second, temporary name, under which its content stays when it is replaced.
+fn name_temporarily(path: &Path) -> io::Result<TempPath> {
+    // A hard link is instant. File systems without hard links get a copy.
+    calls::link_temporarily(path)
+        .or_else(|_| Ok(write_temporary(path, &fs::read(path)?)?.into_temp_path()))
 }
 
 /// Writes a result to a path that a user named. A regular file is replaced as by
@@ -86,21 +116,6 @@ pub fn write_output(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Whether the path leads to a pipe or a device, which is written to instead of replaced.
 pub(super) fn is_pipe_or_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
-}
-
-/// Keeps the file at `path` under the name `backup` as well, in place of an older backup. Does
-/// nothing if there is no file. A crash in between leaves no backup, but the file itself is whole.
-pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
-    if !path.exists() {
-        return Ok(());
-    }
-    // Neither a link nor a copy replaces a file, so the older backup goes first.
-    match calls::remove(backup) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
-    // A hard link is instant. File systems without hard links get a copy.
-    calls::link(path, backup).or_else(|_| copy_new(path, backup))
 }
 
 /// Renames `file` to the first free name of `path.WORD-1`, `path.WORD-2`, …, so that nothing is
@@ -242,6 +257,31 @@ mod tests {
                 .file_type()
                 .is_char_device()
         );
+    }
+
+    #[test]
+    fn a_backup_changes_together_with_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let read = || ["a", "a.bak"].map(|name| fs::read_to_string(at(name)).unwrap_or_default());
+        let write = |text: &str, is_replaced: bool| {
+            write_keeping_backup(&at("a"), text.as_bytes(), &at("a.bak"), &|| is_replaced)
+        };
+        assert!(write("1", false).unwrap());
+        assert_eq!(read(), ["1", ""], "nothing was replaced");
+        assert!(write("2", false).unwrap() && write("3", false).unwrap());
+        assert_eq!(read(), ["3", "2"]);
+        assert!(!write("4", true).unwrap());
+        assert_eq!(
+            read(),
+            ["3", "2"],
+            "a write that is refused costs no backup"
+        );
+        fs::remove_file(at("a.bak")).unwrap();
+        fs::create_dir(at("a.bak")).unwrap();
+        assert!(write("4", false).is_err());
+        assert_eq!(read(), ["3", ""]);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
     #[test]

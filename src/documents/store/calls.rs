@@ -4,8 +4,8 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
-use tempfile::{NamedTempFile, PersistError};
-use touchline_core::files::{open_regular, temporary_file_in};
+use tempfile::{NamedTempFile, PersistError, TempPath};
+use touchline_core::files::{open_regular, temporary_file_in, temporary_link_to};
 
 /// Makes a call. In the store's tests it may fail instead.
 fn try_call<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
@@ -105,9 +105,14 @@ pub(super) fn rename(from: &Path, to: &Path) -> io::Result<()> {
     try_call(|| fs::rename(from, to))
 }
 
-/// Gives a file a second name.
-pub(super) fn link(path: &Path, second: &Path) -> io::Result<()> {
-    try_call(|| fs::hard_link(path, second))
+/// Gives a file a second, temporary name in its folder.
+pub(super) fn link_temporarily(path: &Path) -> io::Result<TempPath> {
+    try_call(|| temporary_link_to(path))
+}
+
+/// Renames a temporary name to a final one, in place of a file that has it.
+pub(super) fn persist_name(name: TempPath, path: &Path) -> io::Result<()> {
+    try_call(|| name.persist(path).map_err(|refused| refused.error))
 }
 
 /// Deletes a file.

@@ -86,6 +86,18 @@ pub enum StoreError {
         /// The file or folder.
         path: PathBuf,
     },
+    /// A file that is no document where a document should be written.
+    #[error("{} is no document of touchline and is not replaced; move it away, or give another name", path.display())]
+    NotADocument {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A document where another file should be written.
+    #[error("{} is a document of touchline and is not replaced by another kind of file; give another name", path.display())]
+    IsDocument {
+        /// The document.
+        path: PathBuf,
+    },
     /// The document is open in another program, or write-protected.
     #[error("{} is {reason}", path.display())]
     ReadOnly {
@@ -99,6 +111,15 @@ pub enum StoreError {
     ChangedOutside {
         /// The file.
         path: PathBuf,
+    },
+    /// Another program changed the file while a command worked on it, and the result cannot be
+    /// joined with what it has become.
+    #[error("{} was changed by another program meanwhile and stays as it is; the result is in {}", path.display(), beside.display())]
+    WrittenBeside {
+        /// The file.
+        path: PathBuf,
+        /// The result.
+        beside: PathBuf,
     },
 }
 

@@ -111,9 +111,10 @@ impl JournalContent {
         content
     }
 
-    /// Whether the journal contains an edit.
-    pub fn has_edits(&self) -> bool {
-        self.edit_names().next().is_some()
+    /// Whether the journal contains an edit. What cannot be read may be edits, too: of a newer
+    /// program, or of a damaged journal.
+    pub fn may_hold_edits(&self) -> bool {
+        self.lost_bytes > 0 || self.edit_names().next().is_some()
     }
 
     /// The names of the edits, oldest first.

@@ -13,20 +13,28 @@
 //! | `project.json.mine-N`, `.mine-N.base` | own version, common base | after a change by others |
 //! | `project.json.outside-N` | the version of others | when it is overwritten |
 //! | `project.json.journal.orphan-N` | edits of a document that was replaced | on opening |
+//! | `project.json.result-N.json` | a command's result that cannot be joined | by the command |
 //! | `project.json.journal.damaged-N` | a copy of a damaged journal | on opening |
 //!
 //! # Saving
 //!
 //! 1. A line in the journal announces the SHA-256 of the new document.
 //! 2. The history is written.
-//! 3. The old document becomes the backup, and the new one is written to a temporary file, flushed
-//!    and renamed to its place.
+//! 3. The new document is written to a temporary file, flushed and renamed to its place; the old
+//!    one then becomes the backup.
 //! 4. The journal is emptied and starts from the new document.
 //!
 //! After a crash at any moment, the journal contains a line with the hash of the document on disk,
 //! and the edits after that line are those that the document lacks. The only exception is an empty
 //! journal, during step 4, when the document lacks none. `faults.rs` tests this for each system
 //! call: with errors, kills and power cuts.
+//!
+//! # Reading in order to write
+//!
+//! [`open_for_writing`] is for a command that writes its result into the document that it read: it
+//! holds the lock in between, and [`OpenForWriting::commit`] joins the result with what other
+//! programs wrote meanwhile. [`FilesRead::write_back`] is for a program that holds no lock: it
+//! refuses a file that is another one by then. [`reserve`] locks a document that will be replaced.
 //!
 //! # Other programs
 //!
@@ -54,7 +62,10 @@ mod read_only;
 mod replay;
 
 pub use atomic::{write_atomically, write_new, write_output};
-pub use disk::{Access, Opened, Recovery, Store, open, read, refuse_open, write_document};
+pub use disk::{
+    Access, FilesRead, OpenForWriting, Opened, Recovery, Reserved, Store, open, open_for_writing,
+    read, read_with_state, refuse_document, refuse_other_file, reserve, write_document,
+};
 pub use document_store::{DocumentStore, Others, Outside};
 pub use error::StoreError;
 pub use history_file::HistoryLeftOut;

@@ -1,6 +1,6 @@
 //! Edits that were set aside: the entry in a list, and the content that is merged with a document.
 
-use crate::document::{Document, Edit, Merged, graft, merge};
+use crate::document::{Document, Edit, Merged, graft, merge_newer};
 use std::path::PathBuf;
 
 /// Edits that were set aside because they start from a document other than the present one.
@@ -24,11 +24,12 @@ pub struct OrphanEdits {
 
 impl OrphanEdits {
     /// Merges the edits with a document: a three-way merge if the base is known. Otherwise frames
-    /// that the user edited replace those in the document.
+    /// that the user edited replace those in the document. Of a frame that both changed the one
+    /// with more edits stays, and it is named.
     #[must_use]
     pub fn merge_with(&self, document: &Document) -> Merged {
         match self.document() {
-            Some((base, ours)) => merge(base, &ours, document),
+            Some((base, ours)) => merge_newer(base, &ours, document),
             None => graft(&self.edits, document),
         }
     }

@@ -6,7 +6,8 @@ use std::path::Path;
 use tempfile::TempDir;
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
-    Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, document_to_string,
+    Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, Solution,
+    SolutionSource, document_to_string,
 };
 use touchline::exchange::Format;
 use touchline::field::builtin;
@@ -246,19 +247,18 @@ fn solve_gives_ptz_and_solution_and_keeps_statuses() {
         2,
         "it exists"
     );
-    assert_eq!(
-        touchline(
-            folder.path(),
-            "solve out/solved.json -o out/solved.json --force"
-        )
-        .code,
-        0
-    );
-    assert_eq!(
-        fs::read_to_string(folder.path().join("out/solved.json.bak")).unwrap(),
-        first,
-        "what was there is kept"
-    );
+    let in_place = "solve out/solved.json -o out/solved.json --force";
+    let written = || fs::read_to_string(folder.path().join("out/solved.json")).unwrap();
+    let kept = || fs::read_to_string(folder.path().join("out/solved.json.bak"));
+    assert_eq!(touchline(folder.path(), in_place).code, 0);
+    assert_eq!(written(), first, "nothing to solve");
+    assert!(kept().is_err(), "nothing was replaced");
+    let (_, mut fewer, _) = read(&folder.path().join("out/solved.json")).unwrap();
+    fewer.frames[0].clicks.pop();
+    let fewer = document_to_string(&fewer).unwrap();
+    fs::write(folder.path().join("out/solved.json"), &fewer).unwrap();
+    assert_eq!(touchline(folder.path(), in_place).code, 0);
+    assert!(written() != fewer && kept().unwrap() == fewer);
 }
 
 #[test]
@@ -462,6 +462,119 @@ fn wrong_usage_is_one_line_and_exit_two() {
         assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments}");
     }
     assert!(!folder.path().join("m").exists(), "nothing was made");
+}
+
+#[test]
+fn a_command_in_place_ends_the_journal_that_it_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let document = clicked_document(folder.path(), &[5, 4]);
+    let path = folder.path().join("doc.json");
+    let Access::Writable(mut store) = open(&path).unwrap().access else {
+        panic!("read-only")
+    };
+    let mut after = document.clone();
+    after.frames[1].comment = Some("before the crash".to_owned());
+    after.count_edits_since(&document);
+    store
+        .append(&[Edit::between(&document, &after, "Comment")])
+        .unwrap();
+    // A session that did not write the document leaves its journal.
+    drop(store);
+
+    let ran = touchline(folder.path(), "solve doc.json -o doc.json --force");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("Recovered 1 edit: Comment."),
+        "{}",
+        ran.stderr
+    );
+    let (location, solved, recovery) = read(&path).unwrap();
+    assert!(recovery.is_empty(), "{recovery:?}");
+    assert_eq!(solved.frames[1].comment, after.frames[1].comment);
+    assert!(solved.frames[1].ptz.is_some());
+    assert_eq!(touchline::store::orphans(&location), []);
+    let names = fs::read_dir(folder.path()).unwrap();
+    let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    assert_eq!(names, ["doc.json", "doc.json.bak"]);
+}
+
+#[test]
+fn cameras_that_were_decided_are_solved_again_only_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = clicked_document(folder.path(), &[5, 5, 5]);
+    let set = FramePtz::new(Ptz::from_degrees(10.0, -10.0, 1400.0), None);
+    for (index, source) in [(0, SolutionSource::Manual), (1, SolutionSource::Markings)] {
+        let frame = &mut document.frames[index];
+        frame.status = FrameStatus::Reference;
+        frame.ptz = Some(set.clone());
+        frame.solution = Some(Solution {
+            source: Some(source),
+            ..Solution::default()
+        });
+    }
+    let text = document_to_string(&document).unwrap();
+    fs::write(folder.path().join("doc.json"), text).unwrap();
+    for (command, kept) in [
+        ("solve doc.json -o solved.json", 2),
+        ("solve doc.json -o again.json --replace-decided", 0),
+        ("refine-base doc.json -o refined.json --distortion none", 2),
+    ] {
+        let ran = touchline(folder.path(), command);
+        assert_eq!(ran.code, 0, "{command}: {}", ran.stderr);
+        let says = ran
+            .stderr
+            .contains("2 frames with enough clicks kept as decided");
+        assert_eq!(says, kept == 2, "{command}: {}", ran.stderr);
+        let output = command.split_whitespace().nth(3).unwrap();
+        let (_, solved, _) = read(&folder.path().join(output)).unwrap();
+        let sources = solved
+            .frames
+            .iter()
+            .map(|frame| frame.solution.as_ref()?.source);
+        let clicks = sources.filter(|source| *source == Some(SolutionSource::Clicks));
+        assert_eq!(clicks.count(), 3 - kept, "{command}");
+    }
+    let (_, solved, _) = read(&folder.path().join("solved.json")).unwrap();
+    assert_eq!(solved.frames[0].ptz, Some(set.clone()));
+    assert_eq!(solved.frames[1].ptz, Some(set));
+}
+
+#[test]
+fn what_is_no_document_is_not_replaced_by_one_nor_a_document_by_another_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    clicked_document(folder.path(), &[5]);
+    let at = |name: &str| folder.path().join(name);
+    let before = fs::read(at("doc.json")).unwrap();
+    fs::write(at("match.mp4"), "a video").unwrap();
+    fs::copy(at("doc.json"), at("other.json")).unwrap();
+    for (command, says) in [
+        (
+            "solve doc.json -o match.mp4 --force",
+            "is no document of touchline",
+        ),
+        (
+            "export doc.json --format csv -o doc.json --force",
+            "is the document that is exported",
+        ),
+        (
+            "export doc.json --format json -o doc.json --force",
+            "is the document that is exported",
+        ),
+        (
+            "export doc.json --format coco -o other.json --force",
+            "is a document of touchline",
+        ),
+    ] {
+        let ran = touchline(folder.path(), command);
+        assert_eq!(ran.code, 2, "{command}: {}", ran.stderr);
+        assert!(ran.stderr.contains(says), "{command}: {}", ran.stderr);
+    }
+    assert_eq!(fs::read_to_string(at("match.mp4")).unwrap(), "a video");
+    for name in ["doc.json", "other.json"] {
+        assert!(fs::read(at(name)).unwrap() == before, "{name}");
+    }
 }
 
 #[test]

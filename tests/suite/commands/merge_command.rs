@@ -219,3 +219,129 @@ fn of_three_versions_none_loses_its_camera_or_its_frames() {
         .map(|camera| camera.image_from_world(ground).unwrap().distance_px(centre));
     assert!(fitted < 0.3 * kept, "{fitted} {kept}");
 }
+
+/// Writes a comment into a frame of the document in a folder, as the window counts it.
+fn comment(folder: &Path, frame: usize, comment: &str) {
+    let before = document(folder);
+    let mut after = before.clone();
+    after.frames[frame].comment = Some(comment.to_owned());
+    after.count_edits_since(&before);
+    fs::write(
+        folder.join("project.json"),
+        document_to_string(&after).unwrap(),
+    )
+    .unwrap();
+}
+
+fn comments(document: &Document) -> Vec<&str> {
+    let frames = document.frames.iter();
+    frames
+        .map(|frame| frame.comment.as_deref().unwrap_or(""))
+        .collect()
+}
+
+/// Copies a project without its pictures.
+fn copy_project(from: &Path, to: &Path) {
+    fs::create_dir(to).unwrap();
+    fs::copy(from.join("project.json"), to.join("project.json")).unwrap();
+}
+
+#[test]
+fn what_the_owner_did_since_the_split_stays() {
+    let place = tempfile::tempdir().unwrap();
+    let at = |name: &str| place.path().join(name);
+    for command in [
+        "synth --frames 6 --size 320x180 -o match",
+        "split match --frames 3 -o work",
+    ] {
+        assert_eq!(touchline(place.path(), command).code, 0, "{command}");
+    }
+    // The owner goes on, in frames of both packages, and the packages are worked on.
+    comment(&at("match"), 0, "owner");
+    comment(&at("match"), 4, "owner");
+    let mut owned = document(&at("match"));
+    owned.field.params.insert("length_m".to_owned(), 102.0);
+    let project = at("match/project.json");
+    fs::write(&project, document_to_string(&owned).unwrap()).unwrap();
+    move_camera(&project, 2.0);
+    let moved = x_m(&document(&at("match")));
+    comment(&at("work/package001"), 1, "first");
+    comment(&at("work/package002"), 1, "second");
+    comment(&at("work/package002"), 2, "second");
+
+    let all = "merge match work/package001 work/package002 -o merged.json";
+    for command in [
+        all,
+        "merge match work/package002 work/package001 match -o match --force",
+    ] {
+        let ran = touchline(place.path(), command);
+        assert_eq!(ran.code, 1, "{}", ran.stderr);
+        assert!(ran.stderr.contains("1 conflict\n"), "{}", ran.stderr);
+        let merged = document(&match command == all {
+            true => at("merged.json"),
+            false => at("match"),
+        });
+        let wanted = ["owner", "first", "", "", "owner", "second"];
+        assert_eq!(comments(&merged), wanted, "{command}");
+        assert_eq!(merged.field.params["length_m"], 102.0);
+        assert_eq!(x_m(&merged), moved);
+    }
+    let others = document(&at("merged.conflicts.json"));
+    assert_eq!(comments(&others), ["second"]);
+    // The packages come a second time, after more was done in one.
+    comment(&at("work/package001"), 2, "first again");
+    let ran = touchline(place.path(), "merge match work/package001 -o again.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let wanted = ["owner", "first", "first again", "", "owner", "second"];
+    assert_eq!(comments(&document(&at("again.json"))), wanted);
+}
+
+#[test]
+fn a_copy_of_an_earlier_state_takes_nothing_back() {
+    let place = tempfile::tempdir().unwrap();
+    let at = |name: &str| place.path().join(name);
+    let drawn = touchline(place.path(), "synth --frames 3 --size 320x180 -o match");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    comment(&at("match"), 0, "first");
+    copy_project(&at("match"), &at("copy"));
+    comment(&at("match"), 1, "today");
+    let ran = touchline(place.path(), "merge match match copy -o merged.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let merged = document(&at("merged.json"));
+    assert_eq!(comments(&merged), ["first", "today", ""]);
+    // What was done in the copy is named, where the project has as much or more.
+    comment(&at("copy"), 1, "in the copy");
+    comment(&at("copy"), 2, "in the copy");
+    let ran = touchline(place.path(), "merge match copy -o merged.json --force");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let merged = document(&at("merged.json"));
+    assert_eq!(comments(&merged), ["first", "today", "in the copy"]);
+    let others = document(&at("merged.conflicts.json"));
+    assert_eq!(comments(&others), ["in the copy"]);
+}
+
+#[test]
+fn a_package_of_another_match_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    for (name, seed) in [("north", 1), ("south", 2)] {
+        for command in [
+            format!("synth --frames 2 --size 320x180 --seed {seed} -o {name}"),
+            format!("split {name} --frames 1 -o work-{name}"),
+        ] {
+            assert_eq!(touchline(place.path(), &command).code, 0, "{command}");
+        }
+    }
+    let ran = touchline(
+        place.path(),
+        "merge north work-north/package001 work-south/package002 -o merged.json",
+    );
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
+    assert!(
+        ran.stderr
+            .contains("package002: 1 of 1 pictures are others")
+            && ran.stderr.contains("images/0002.jpg"),
+        "{}",
+        ran.stderr
+    );
+    assert!(!place.path().join("merged.json").exists());
+}

@@ -5,5 +5,6 @@
 mod failing_places;
 mod killed;
 mod nothing_lost_by_force;
+mod project_that_goes_on;
 mod random_kills;
 mod soak;

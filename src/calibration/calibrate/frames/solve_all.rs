@@ -6,7 +6,7 @@ use std::path::Path;
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
 use touchline_core::solve::SolveError;
-use touchline_documents::document::{Document, Fields, Frame, Target};
+use touchline_documents::document::{Document, Fields, Frame, FrameStatus, SolutionSource, Target};
 
 /// Pan, tilt and focal length: the minimum number of equations.
 const UNKNOWNS: usize = 3;
@@ -17,10 +17,54 @@ const UNKNOWNS: usize = 3;
 pub enum SolveOutcome {
     /// The frame has its `ptz` and `solution`.
     Solved,
+    /// Its camera was decided otherwise than by its clicks, and was not changed.
+    Kept,
     /// It has too few clicks for a camera and was not changed.
     TooFewClicks,
     /// Its clicks should suffice but give no camera; it was not changed.
     Failed(CalibrationError),
+}
+
+/// What becomes of frames whose camera was [decided](is_decided) otherwise than by their clicks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DecidedFrames {
+    /// They keep it.
+    #[default]
+    Keep,
+    /// They are solved like all others.
+    Replace,
+}
+
+/// Whether the camera of a frame was decided otherwise than by its clicks: set by hand, aligned to
+/// paint, or accepted from another source.
+#[must_use]
+pub fn is_decided(frame: &Frame) -> bool {
+    let source = frame.solution.as_ref().and_then(|solution| solution.source);
+    frame.ptz.is_some()
+        && match source {
+            // A camera of unknown source is taken for one from clicks.
+            None | Some(SolutionSource::Clicks) => false,
+            Some(SolutionSource::Manual | SolutionSource::Markings) => true,
+            Some(
+                SolutionSource::Forest
+                | SolutionSource::Tracking
+                | SolutionSource::Import
+                | SolutionSource::Interpolated,
+            ) => frame.status == FrameStatus::Reference,
+        }
+}
+
+/// Solves every frame with enough clicks as [`solve_document_with`] does; decided frames keep their
+/// camera.
+///
+/// # Errors
+/// The field of a frame is not valid.
+pub fn solve_document(
+    document: &mut Document,
+    folder: &Path,
+    progress: &Progress<'_, ()>,
+) -> Result<Vec<SolveOutcome>, FieldError> {
+    solve_document_with(document, folder, DecidedFrames::Keep, progress)
 }
 
 /// Solves every frame with enough clicks, in parallel; statuses do not change. `folder` is the
@@ -33,16 +77,21 @@ pub enum SolveOutcome {
 ///
 /// # Errors
 /// The field of a frame is not valid.
-pub fn solve_document(
+pub fn solve_document_with(
     document: &mut Document,
     folder: &Path,
+    decided: DecidedFrames,
     progress: &Progress<'_, ()>,
 ) -> Result<Vec<SolveOutcome>, FieldError> {
     let fields = Fields::from_document(document.at(folder))?;
-    let (enough, too_few): (Vec<usize>, Vec<usize>) = (0..document.frames.len())
+    let is_kept = |frame: &Frame| decided == DecidedFrames::Keep && is_decided(frame);
+    let (mut enough, too_few): (Vec<usize>, Vec<usize>) = (0..document.frames.len())
         .partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
-    // Frames with too few clicks count as done at once.
-    for _ in &too_few {
+    let kept: Vec<usize> = enough
+        .extract_if(.., |index| is_kept(&document.frames[*index]))
+        .collect();
+    // Frames that are not solved count as done at once.
+    for _ in too_few.iter().chain(&kept) {
         if progress.report(()).is_break() {
             return Ok(Vec::new());
         }
@@ -57,6 +106,9 @@ pub fn solve_document(
         .iter()
         .map(|_| SolveOutcome::TooFewClicks)
         .collect();
+    for index in kept {
+        outcomes[index] = SolveOutcome::Kept;
+    }
     for (index, solved) in enough.into_iter().zip(solved) {
         outcomes[index] = match solved {
             Ok(()) => SolveOutcome::Solved,
@@ -75,4 +127,74 @@ fn equations(frame: &Frame) -> usize {
     used.filter_map(|click| click.target.as_ref())
         .map(Target::equations)
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::fixtures::document_with;
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use touchline_core::field::builtin;
+    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_documents::document::{Click, FramePtz, Solution};
+
+    #[test]
+    fn decided_cameras_are_replaced_only_on_request() {
+        let (size, field) = (
+            ImageSize::new(1280, 720),
+            builtin("soccer").unwrap().default_model().unwrap(),
+        );
+        let upright = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -66.0, 18.0), upright, size.centre());
+        let shown = PtzCamera::new(base, Ptz::from_degrees(2.0, -14.0, 1300.0));
+        let set = Ptz::from_degrees(3.0, -15.0, 1400.0);
+        let mut document = document_with(&base, size);
+        for (number, (status, source)) in [
+            (FrameStatus::Reference, Some(SolutionSource::Clicks)),
+            (FrameStatus::Draft, Some(SolutionSource::Manual)),
+            (FrameStatus::Reference, Some(SolutionSource::Markings)),
+            (FrameStatus::Reference, Some(SolutionSource::Import)),
+            (FrameStatus::Draft, Some(SolutionSource::Import)),
+            (FrameStatus::Reference, None),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let mut frame = Frame::from_image(&number.to_string(), "main".into(), size);
+            for name in ["centre_mark", "halfway_near", "halfway_far"] {
+                let point = field.landmark(&name.into()).unwrap().position;
+                if let Some(at) = shown.project(point) {
+                    frame.clicks.push(Click::landmark(name.into(), at));
+                }
+            }
+            frame.status = status;
+            frame.ptz = Some(FramePtz::new(set, None));
+            frame.solution = Some(Solution {
+                source,
+                ..Solution::default()
+            });
+            document.frames.push(frame.into());
+        }
+        let kept_by = |decided: DecidedFrames| {
+            let mut solved = document.clone();
+            let outcomes =
+                solve_document_with(&mut solved, Path::new(""), decided, &Progress::default())
+                    .unwrap();
+            let kept = solved.frames.iter().zip(&outcomes).map(|(frame, outcome)| {
+                let is_kept = matches!(outcome, SolveOutcome::Kept);
+                assert_eq!(
+                    is_kept,
+                    frame.ptz == Some(FramePtz::new(set, None)),
+                    "{outcome:?}"
+                );
+                is_kept
+            });
+            kept.collect::<Vec<bool>>()
+        };
+        assert_eq!(
+            kept_by(DecidedFrames::Keep),
+            [false, true, true, true, false, false]
+        );
+        assert_eq!(kept_by(DecidedFrames::Replace), [false; 6]);
+    }
 }

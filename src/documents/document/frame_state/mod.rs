@@ -3,6 +3,7 @@
 //! clicks as a gold frame. The types of these records are in `model`. Nothing here solves a frame
 //! or changes a file.
 
+mod earlier_state;
 pub mod frame_solution;
 pub mod gold;
 pub mod suggestion;

@@ -91,12 +91,12 @@ impl Frame {
     }
 
     /// Whether the user chose what it is used for.
-    fn has_chosen_uses(&self) -> bool {
+    pub(super) fn has_chosen_uses(&self) -> bool {
         self.uses() != (true, None, false)
     }
 
     /// What it is used for: its camera's base, training, blind clicks.
-    const fn uses(&self) -> (bool, Option<bool>, bool) {
+    pub(super) const fn uses(&self) -> (bool, Option<bool>, bool) {
         (self.use_for_base, self.use_for_training, self.gold)
     }
 

@@ -34,6 +34,7 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
         };
         // The document's frame keeps its id, to which other edits refer, and its revision, which
         // `count_edits_since` raises below if the frame changes.
+        let is_earlier = frame.revision < known.revision;
         let frame = Frame {
             id: known.id.clone(),
             revision: known.revision,
@@ -43,11 +44,12 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
             continue;
         }
 
-        // Report every frame with contents that differs; replace it only if no work is lost.
+        // Report every frame with contents that differs; replace it only if no work is lost, and
+        // never by a state with fewer edits.
         if !has_only_picture(known) {
             conflicts.push(known.name());
         }
-        if has_work(&frame) || !has_work(known) {
+        if !is_earlier && (has_work(&frame) || !has_work(known)) {
             *known = frame.into();
         }
     }

@@ -21,15 +21,63 @@ pub struct Merged {
 /// theirs; each frame that only we added is inserted behind its predecessor in our order.
 #[must_use]
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
+    merge_by([base, ours, theirs], |_, _| false)
+}
+
+/// Merges as [`merge`] does, but of a frame that both sides changed the one with more edits stays.
+pub(crate) fn merge_newer(base: &Document, ours: &Document, theirs: &Document) -> Merged {
+    merge_by([base, ours, theirs], |ours, theirs| {
+        theirs.revision > ours.revision
+    })
+}
+
+/// Merges, and decides by `is_theirs_kept` which side of a frame stays that both changed.
+fn merge_by(
+    [base, ours, theirs]: [&Document; 3],
+    is_theirs_kept: fn(&Frame, &Frame) -> bool,
+) -> Merged {
     // Only people's work is compared: a suggestion that one side replaced is no conflict.
-    let [base, our_edits, their_edits] = [base, ours, theirs].map(Document::without_suggestions);
-    let mut merged = merge_edits(&base, &our_edits, &their_edits);
+    let edits = [base, ours, theirs].map(Document::without_suggestions);
+    let mut merged = merge_edits(edits.each_ref(), is_theirs_kept);
     show_suggestions(&mut merged.document, [ours, theirs]);
     merged
 }
 
+/// Joins what a command made of a document that it `read` with what other programs made of it
+/// meanwhile. A frame that is `now` as it was read takes the result. What others changed since
+/// stays, and is named if the command changed it, too; a frame with fewer edits than when it was
+/// read is an earlier state and no change.
+///
+/// None if cameras, field or anything else beside the frames are not the same in all three: angles
+/// that belong to another base or field mean nothing in this one.
+pub(crate) fn join_result(read: &Document, result: &Document, now: &Document) -> Option<Merged> {
+    if ![result, now]
+        .into_iter()
+        .all(|other| read.same_beside_frames(other))
+    {
+        return None;
+    }
+    let mut now = now.clone();
+    for position in 0..now.frames.len() {
+        let frame = &now.frames[position];
+        let Some(known) = read.frames.by_id(&frame.id) else {
+            continue;
+        };
+        if frame.revision < known.revision {
+            now.frames[position] = known.without_suggestion().into();
+        } else if frame == known && frame.shows_suggestion() {
+            // A suggestion that was there at the reading gives way to that of the result.
+            now.frames[position] = frame.without_suggestion().into();
+        }
+    }
+    Some(merge(read, &now, result))
+}
+
 /// Merges documents without suggestions.
-fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
+fn merge_edits(
+    [base, ours, theirs]: [&Document; 3],
+    is_theirs_kept: fn(&Frame, &Frame) -> bool,
+) -> Merged {
     let mut conflicts = Vec::new();
     let frames = join(
         [
@@ -38,7 +86,10 @@ fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
             &frames_by_id(theirs),
         ],
         |one, other| one.has_content_of(other),
-        |frame| conflicts.push(frame.name()),
+        |ours, theirs| {
+            conflicts.push(ours.name());
+            is_theirs_kept(ours, theirs)
+        },
     );
     let cameras = join(
         [
@@ -47,8 +98,9 @@ fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
             &cameras_by_id(theirs),
         ],
         PartialEq::eq,
-        |camera| {
+        |camera, _| {
             conflicts.push(format!("camera {}", camera.id));
+            false
         },
     );
     let field = choose_whole(
@@ -121,6 +173,13 @@ pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
         {
             suggestion.show_in(&mut document.frames[position]);
         }
+    }
+}
+
+impl Document {
+    /// Shows the suggestions of another document in frames that are still untouched.
+    pub fn add_suggestions_of(&mut self, other: &Self) {
+        show_suggestions(self, [other, other]);
     }
 }
 
@@ -205,11 +264,12 @@ fn are_same<V>(one: Option<&V>, other: Option<&V>, is_same: fn(&V, &V) -> bool) 
     }
 }
 
-/// Three-way merge of lists of keyed values.
+/// Three-way merge of lists of keyed values. `conflict` hears of what both sides changed
+/// differently, and says whether theirs stays.
 fn join<K: Ord + Clone, V: Clone>(
     [base, ours, theirs]: [&Keyed<K, V>; 3],
     is_same: fn(&V, &V) -> bool,
-    mut conflict: impl FnMut(&V),
+    mut conflict: impl FnMut(&V, &V) -> bool,
 ) -> Vec<V> {
     let [in_base, in_ours, in_theirs]: [BTreeMap<K, V>; 3] =
         [base, ours, theirs].map(|values| values.iter().cloned().collect());
@@ -218,10 +278,10 @@ fn join<K: Ord + Clone, V: Clone>(
         match choose([base, ours, theirs], is_same) {
             Choice::Theirs => theirs.cloned(),
             Choice::Ours => ours.cloned(),
-            Choice::Conflict => {
-                ours.into_iter().for_each(&mut conflict);
-                ours.cloned()
-            }
+            Choice::Conflict => match (ours, theirs) {
+                (Some(ours), Some(theirs)) if conflict(ours, theirs) => Some(theirs.clone()),
+                _ => ours.cloned(),
+            },
         }
     };
     // Their order first, without what the merge removes.
@@ -256,8 +316,9 @@ type Keys = Map<String, Value>;
 /// Three-way merge of the entries of JSON objects.
 fn join_maps(sides: [&Keys; 3], conflicts: &mut Vec<String>) -> Keys {
     let [base, ours, theirs] = sides.map(entries_by_key);
-    join([&base, &ours, &theirs], PartialEq::eq, |(key, _)| {
+    join([&base, &ours, &theirs], PartialEq::eq, |(key, _), _| {
         conflicts.push(key.clone());
+        false
     })
     .into_iter()
     .collect()

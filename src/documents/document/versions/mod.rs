@@ -6,3 +6,5 @@ pub mod common_base;
 pub mod graft;
 pub mod merge;
 pub mod package;
+mod package_record;
+pub mod restored;

@@ -1,17 +1,15 @@
 //! Work packages: parts of a document that several people label, and that are joined again.
 //!
-//! A package is a document of some of the frames. It records its initial frames ([`KEY`]), so that
-//! a frame that the user removed can be distinguished from one that was never in it.
-//! [`restore_package`] applies its changes to the whole document; [`merge`](crate::document::merge)
-//! then joins the results.
+//! A package is a document of some of the frames. It records what it was given
+//! ([`PackageRecord`]), so that a frame that the user removed can be distinguished from one that
+//! was never in it, and a change of the user from one of the owner. [`restore_package`] applies its
+//! changes to the whole document; [`merge`](crate::document::merge) then joins the results.
 
+use super::package_record::{KEY, PackageRecord};
+use super::restored::{OtherPictures, Restored};
 use crate::document::{Document, Frame, FrameId, Frames, Shared, Shot, ShotEnd};
-use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
-
-/// The key under which a package records its initial frames.
-const KEY: &str = "package";
 
 /// The document in packages of `count` frames each, in its order; the last one may have fewer.
 #[must_use]
@@ -27,15 +25,14 @@ pub fn split_into_packages(document: &Document, count: usize) -> Vec<Document> {
 fn take_package(document: &Document, positions: Range<usize>) -> Document {
     // Only the package's own frames are visited: a long document has thousands of packages.
     let frames: Frames = document.frames.range(positions).cloned().collect();
-    let ids: BTreeSet<&str> = frames.iter().map(|frame| frame.id.as_str()).collect();
-    let mut extra = document.extra.clone();
-    extra.insert(KEY.to_owned(), json!({ "frames": ids }));
-    Document {
+    let mut package = Document {
         shots: shots_of(document, &frames),
-        extra,
         frames,
         ..document.clone()
-    }
+    };
+    let record = PackageRecord::to_json(&package);
+    package.extra.insert(KEY.to_owned(), record);
+    package
 }
 
 /// The shots of a document whose ends still have the same meaning with some of its frames.
@@ -54,33 +51,26 @@ fn shots_of(document: &Document, frames: &Frames) -> Vec<Shot> {
         .collect()
 }
 
-/// The initial frames of a package; none for a document that is not a package.
-fn initial_frames(document: &Document) -> Option<BTreeSet<FrameId>> {
-    let names = document.extra.get(KEY)?.get("frames")?.as_array()?;
-    Some(
-        names
-            .iter()
-            .filter_map(Value::as_str)
-            .map(FrameId::from)
-            .collect(),
-    )
-}
-
-/// Another user's version of `base` as a whole document, with the picture paths of `base`. Frames
-/// that a package did not contain are taken from `base`. A different picture path is not an edit,
-/// because a package has copies of the pictures.
-#[must_use]
-pub fn restore_package(base: &Document, version: &Document) -> Document {
+/// Another user's version of `base` as a whole document, with the picture paths of `base`, and the
+/// state that both have in common. Frames that a package did not contain are taken from `base`. A
+/// different picture path is not an edit, because a package has copies of the pictures.
+///
+/// # Errors
+/// Most pictures are other ones: the version is of another match.
+pub fn restore_package(base: &Document, version: &Document) -> Result<Restored, OtherPictures> {
+    if let Some(others) = OtherPictures::find(base, version) {
+        return Err(others);
+    }
     // Pictures first, also of a version that is no package: otherwise each copied picture would
     // look like an edit. Frames with the same picture are not borrowed to be changed, so that
     // they stay shared.
     let mut whole = version.clone();
-    let given = initial_frames(version);
+    let record = PackageRecord::read(version);
     for frame in &mut whole.frames {
         // A frame that was added to a package is of a picture there, whatever its id.
-        let is_added = given
+        let is_added = record
             .as_ref()
-            .is_some_and(|given| !given.contains(&frame.id));
+            .is_some_and(|record| !record.frames.contains(&frame.id));
         if let Some(known) = base
             .frames
             .by_id(&frame.id)
@@ -89,22 +79,38 @@ pub fn restore_package(base: &Document, version: &Document) -> Document {
             take_place(frame, known);
         }
     }
-    let Some(given) = given else {
-        return whole;
+    let mut restored = Restored::new(base, whole);
+    let Some(PackageRecord { frames, given }) = record else {
+        restored.settle_by_revisions(base);
+        restored.dispute_other_pictures();
+        return Ok(restored);
     };
     // Where `base` is a package itself, its versions are that package again. Without the record,
     // the frames outside it would look removed when they are joined with the whole document.
+    let extra = &mut restored.version.extra;
     match base.extra.get(KEY) {
-        Some(record) => whole.extra.insert(KEY.to_owned(), record.clone()),
-        None => whole.extra.shift_remove(KEY),
+        Some(record) => extra.insert(KEY.to_owned(), record.clone()),
+        None => extra.shift_remove(KEY),
     };
-    whole.frames = join_frames(base, &whole.frames, &given);
-    // The package as it was given away: the shots that it had then show which of the base's shots
-    // its present ones replace.
+    if let Some(given) = &given {
+        restored.settle_frames(base, given);
+    }
+    restored.version.frames = join_frames(base, &restored.version.frames, &frames);
+    // The package as it would be given away now: the shots that it had then show which of the
+    // base's shots its present ones replace.
     let mut package = base.clone();
-    package.frames.retain(|frame| given.contains(&frame.id));
-    whole.shots = join_shots(base, &shots_of(base, &package.frames), &version.shots);
-    whole
+    package.frames.retain(|frame| frames.contains(&frame.id));
+    package.shots = shots_of(base, &package.frames);
+    restored.version.shots = join_shots(base, &package.shots, &version.shots);
+    match &given {
+        Some(given) => {
+            restored.settle_parts(base, version, given);
+            restored.settle_shots(base, &package, version, given);
+        }
+        None => restored.settle_by_revisions(base),
+    }
+    restored.dispute_other_pictures();
+    Ok(restored)
 }
 
 fn has_place_of(frame: &Frame, known: &Frame) -> bool {
@@ -279,8 +285,8 @@ mod tests {
                 for frame in package.frames.iter_mut().filter(|frame| frame.name().starts_with("images/")) {
                     frame.image = frame.image.as_ref().map(|image| image.replace("images/", "copies/"));
                 }
-                let restored = restore_package(&base, &package);
-                let joined = merge(&base, &merged, &restored);
+                let restored = restore_package(&base, &package).unwrap();
+                let joined = merge(&restored.common, &merged, &restored.version);
                 prop_assert!(joined.conflicts.is_empty(), "{:?}", joined.conflicts);
                 merged = joined.document;
             }
@@ -296,7 +302,7 @@ mod tests {
         new.image = Some("images/003-of-the-package.jpg".to_owned());
         new.comment = Some("new".to_owned());
         package.frames.push(new.into());
-        let restored = restore_package(&base, &package);
+        let restored = restore_package(&base, &package).unwrap().version;
         assert_eq!(restored.frames.len(), 5);
         assert_eq!(restored.frames[4], base.frames[3]);
         let added = &restored.frames[2];
@@ -312,10 +318,11 @@ mod tests {
         let base = document(6);
         let package = split_into_packages(&base, 4).remove(0);
         let parts = split_into_packages(&package, 2);
-        let [first, second] = [0, 1].map(|part| restore_package(&package, &parts[part]));
+        let [first, second] =
+            [0, 1].map(|part| restore_package(&package, &parts[part]).unwrap().version);
         let joined = merge(&package, &first, &second).document;
         assert_eq!(joined, package);
-        assert_eq!(restore_package(&base, &joined), base);
+        assert_eq!(restore_package(&base, &joined).unwrap().version, base);
     }
 
     #[test]
@@ -324,7 +331,7 @@ mod tests {
         let mut version = base.clone();
         version.frames.remove(1);
         version.frames[0].image = Some("elsewhere/000.jpg".to_owned());
-        let restored = restore_package(&base, &version);
+        let restored = restore_package(&base, &version).unwrap().version;
         assert_eq!(restored.frames.len(), 2);
         assert_eq!(restored.frames[0].image, base.frames[0].image);
     }

@@ -5,13 +5,13 @@
 //! |---|---|
 //! | `project.json` | the document of its frames ([`split_into_packages`]) |
 //! | `images/` | copies of the frames' images |
-//! | `videos/` | their videos: linked where that is possible, since a video is in every package of its frames |
+//! | `videos/` | copies of their videos |
 //! | `fields/` | field templates of the user's own |
 
 use super::dataset::{OwnPlaces, with_templates};
 use crate::document::{
-    CameraId, Document, DocumentAt, FieldSpec, Frame, document_to_string, restore_package,
-    split_into_packages,
+    CameraId, Document, DocumentAt, FieldSpec, Frame, Restored, document_to_string,
+    restore_package, split_into_packages,
 };
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{cannot_read, cannot_write, write_new};
@@ -71,28 +71,40 @@ pub fn write_packages(
         .collect())
 }
 
-/// A version of `base` as a whole document: what a package does not contain is taken from `base`,
-/// with the paths of pictures and template files of `base`.
+/// A version of `base` as a whole document, and the state that both have in common: what a package
+/// does not contain is taken from `base`, with the paths of pictures and template files of `base`.
 ///
 /// # Errors
-/// A template of `base` cannot be read.
+/// A template of `base` cannot be read, or the version is of another match.
 pub fn restore_version(
     base: DocumentAt<'_>,
     version: &Document,
-) -> Result<Document, ExchangeError> {
-    let mut whole = restore_package(base.document, version);
-    // The package names copies of the templates, under names that are computed again here. A field
-    // that was changed in the package is another one and stays.
+) -> Result<Restored, ExchangeError> {
+    // The package names copies of the templates, under names that are computed again here. Its
+    // record is of these names, too.
     let (packed, _) = with_templates(base)?;
-    if whole.field == packed.field {
-        whole.field = base.document.field.clone();
+    let mut restored = restore_package(&packed, version).map_err(ExchangeError::OtherPictures)?;
+    for document in [
+        &mut restored.common,
+        &mut restored.version,
+        &mut restored.own,
+    ] {
+        take_own_templates(document, base.document, &packed);
     }
-    for camera in &mut whole.cameras {
-        if camera.field.is_some() && camera.field == field_of_camera(&packed, &camera.id) {
-            camera.field = field_of_camera(base.document, &camera.id);
+    Ok(restored)
+}
+
+/// Names the template files of `base` instead of their copies. A field that was changed in a
+/// package is another one and stays.
+fn take_own_templates(document: &mut Document, base: &Document, packed: &Document) {
+    if document.field == packed.field {
+        document.field = base.field.clone();
+    }
+    for camera in &mut document.cameras {
+        if camera.field.is_some() && camera.field == field_of_camera(packed, &camera.id) {
+            camera.field = field_of_camera(base, &camera.id);
         }
     }
-    Ok(whole)
 }
 
 /// The field of a camera of a document; none if it is the document's own.
@@ -140,7 +152,7 @@ fn copy_pictures(
         let frame: &mut Frame = frame;
         if let Some(path) = frame.image_path(folder) {
             let name = names.take("images", &path);
-            copy(&path, &place.join(&name), false, target)?;
+            copy(&path, &place.join(&name), target)?;
             frame.image = Some(name);
         }
         if let Some(video) = &mut frame.video {
@@ -150,7 +162,7 @@ fn copy_pictures(
             let is_new = !names.by_file.contains_key(&path);
             let name = names.take("videos", &path);
             if is_new {
-                copy(&path, &place.join(&name), true, target)?;
+                copy(&path, &place.join(&name), target)?;
             }
             video.path = name;
         }
@@ -158,24 +170,21 @@ fn copy_pictures(
     Ok(package)
 }
 
-/// Copies a file, or links it. An error of the writing names `target`.
-fn copy(from: &Path, to: &Path, as_link: bool, target: &Path) -> Result<(), ExchangeError> {
+/// Copies a file. An error of the writing names `target`.
+fn copy(from: &Path, to: &Path, target: &Path) -> Result<(), ExchangeError> {
     // What can be opened can be read as a rule, so that what fails afterwards is the writing, such
     // as on a full disk.
     open_named(from).map_err(|source| cannot_read(from, source))?;
-    copy_or_link(from, to, as_link).map_err(|source| cannot_write(target, source))
+    copy_whole(from, to).map_err(|source| cannot_write(target, source))
 }
 
-/// Copies a file; with `as_link`, gives it a second name where the system can.
-fn copy_or_link(from: &Path, to: &Path, as_link: bool) -> io::Result<()> {
+/// Copies a file; where the file system can, both share their content until one is changed. A hard
+/// link would be the same file: who cuts the video of a package would cut the owner's.
+fn copy_whole(from: &Path, to: &Path) -> io::Result<()> {
     fs::create_dir_all(folder_of(to))?;
-    // A symbolic link within the project would be broken in the package.
-    let from = fs::canonicalize(from)?;
-    // A hard link needs no space; across disks it fails, and the file is copied.
-    if as_link && fs::hard_link(&from, to).is_ok() {
-        return Ok(());
-    }
-    fs::copy(from, to).map(drop)
+    // A symbolic link within the project would be broken in the package. The system call behind
+    // `fs::copy` shares the content on Btrfs, XFS and APFS.
+    fs::copy(fs::canonicalize(from)?, to).map(drop)
 }
 
 /// The names of files in a package: their own, with a number where two have the same name.
@@ -215,7 +224,7 @@ impl Names {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::document_from_bytes;
+    use crate::document::{VideoFrame, document_from_bytes};
     use touchline_core::geometry::ImageSize;
 
     /// A project of five frames, two of them with one name.
@@ -265,7 +274,11 @@ mod tests {
             "more/2.jpg"
         );
         for package in [first, read(2)] {
-            assert_eq!(restore_version(base.at(&at), &package).unwrap(), base);
+            let restored = restore_version(base.at(&at), &package).unwrap();
+            assert_eq!(
+                [restored.common, restored.version],
+                [base.clone(), base.clone()]
+            );
         }
         let again = write_packages(base.at(&at), 3, &out, false)
             .unwrap_err()
@@ -274,6 +287,26 @@ mod tests {
             again.ends_with("out holds something already; give an empty or a new folder"),
             "{again}"
         );
+    }
+
+    #[test]
+    fn a_video_that_is_cut_in_a_package_stays_whole_for_the_owner() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("project");
+        let mut base = project(&folder);
+        fs::write(folder.join("match.mp4"), "a long video").unwrap();
+        let shown = VideoFrame::new("match.mp4", 3, None);
+        let frame = Frame::from_video(shown, "main".into(), ImageSize::new(64, 48));
+        base.frames.push(frame.into());
+        let out = place.path().join("out");
+        write_packages(base.at(&folder), 6, &out, false).unwrap();
+        let copy = out.join("package001/videos/match.mp4");
+        let mut opened = fs::OpenOptions::new().write(true).open(&copy).unwrap();
+        std::io::Write::write_all(&mut opened, b"a cut").unwrap();
+        opened.set_len(5).unwrap();
+        assert_eq!(fs::read_to_string(&copy).unwrap(), "a cut");
+        let own = fs::read_to_string(folder.join("match.mp4")).unwrap();
+        assert_eq!(own, "a long video");
     }
 
     #[test]
@@ -293,7 +326,7 @@ mod tests {
         let to = in_the_way.join("1.jpg");
         let unread = format!("cannot read {}: ", from.display());
         for wanted in [unread.as_str(), "cannot write /packages: "] {
-            let copied = copy(&from, &to, false, Path::new("/packages"));
+            let copied = copy(&from, &to, Path::new("/packages"));
             let said = copied.unwrap_err().to_string();
             assert!(said.starts_with(wanted), "{said}");
             fs::write(&from, "").unwrap();

@@ -7,6 +7,7 @@ use crate::store::journal::{DocumentHash, JournalContent, Pending, hash_of};
 use crate::store::replay::Replay;
 use crate::store::{Location, StoreError};
 use std::io;
+use std::path::Path;
 use touchline_core::files::{read_regular, read_regular_within};
 
 /// Maximum number of times that a document and its journal are read, if another program replaces
@@ -28,6 +29,8 @@ pub(super) struct Contents {
     pub(super) written: Document,
     pub(super) hash: DocumentHash,
     pub(super) recovery: Recovery,
+    /// The hash of the journal; none if it holds no edit.
+    pub(super) journal: Option<DocumentHash>,
     /// Length of the readable part of the journal, bytes.
     pub(super) whole_bytes: u64,
     pub(super) damage: Damage,
@@ -64,14 +67,12 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
     // Read the journal before the document. If it is restarted in between, its old content still
     // leads to the document that is read then.
     let path = location.journal();
-    let bytes = match read_regular(&path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-        other => other.map_err(|source| StoreError::from_io("read", &path, source))?,
-    };
+    let bytes = read_journal(&path)?;
     let (written, hash) = read_document(location)?;
     let mut replay = Replay::new(written.clone());
     let content = JournalContent::parse(&bytes);
     let (whole_bytes, lost_bytes) = (content.whole_bytes, content.lost_bytes);
+    let journal = content.may_hold_edits().then(|| hash_of(&bytes));
     // A newline with bytes after it, inside the unreadable part, means damage. Without one, the
     // last line was cut off by a crash.
     let lost = &bytes[whole_bytes as usize..];
@@ -128,9 +129,18 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
         written,
         hash,
         recovery,
+        journal,
         whole_bytes,
         damage,
     })
+}
+
+/// The bytes of a journal; none if there is no journal.
+pub(super) fn read_journal(path: &Path) -> Result<Vec<u8>, StoreError> {
+    match read_regular(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        other => other.map_err(|source| StoreError::from_io("read", path, source)),
+    }
 }
 
 /// Maximum size of a document, bytes: enough for a million solved frames.

@@ -8,22 +8,26 @@
 
 mod contents;
 mod contract;
+mod for_writing;
 mod opening;
 mod recovery;
 mod unopened;
 
-pub use opening::{Access, Opened, open, read};
+pub use for_writing::{OpenForWriting, open_for_writing};
+pub use opening::{Access, Opened, open, read, read_with_state};
 pub use recovery::Recovery;
-pub use unopened::{refuse_open, write_document};
+pub use unopened::{
+    FilesRead, Reserved, refuse_document, refuse_other_file, reserve, write_document,
+};
 
-use super::atomic::{copy_aside, keep_backup, set_aside, write_unless_replaced};
+use super::atomic::{copy_aside, set_aside, write_keeping_backup};
 use super::history_file;
 use super::journal::{DocumentHash, Journal, JournalContent, hash_of};
 use super::lock::{Lock, lock_or_fail};
 use super::own_version::OwnVersion;
 use super::{Location, StoreError, calls};
 use crate::document::{Document, History, document_to_string};
-use contents::read_document;
+use contents::{read_document, read_journal};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -71,10 +75,19 @@ impl Store {
     /// journal with edits that it lacks is set aside.
     ///
     /// # Errors
-    /// Another program has it open, or it cannot be written.
+    /// Another program has it open, the file is no document, or it cannot be written.
     pub fn replace(location: &Location, document: &Document) -> Result<Self, StoreError> {
         // The lock comes first, so that no other program has the document open below.
-        let lock = lock_or_fail(location)?;
+        Self::replace_locked(location, lock_or_fail(location)?, document)
+    }
+
+    /// As [`Store::replace`], under a lock that was taken before.
+    fn replace_locked(
+        location: &Location,
+        lock: Lock,
+        document: &Document,
+    ) -> Result<Self, StoreError> {
+        refuse_other_file(location.file())?;
         let path = location.journal();
         set_orphan_aside(&path)?;
         let journal = Journal::open(&path, 0)
@@ -231,9 +244,6 @@ impl Store {
             calls::flush_folder(self.location.folder())
                 .map_err(|source| StoreError::from_io("write", path, source))?;
         } else if changes {
-            let backup = self.location.backup();
-            keep_backup(path, &backup)
-                .map_err(|source| StoreError::from_io("write", &backup, source))?;
             // A file that cannot be read any more counts as replaced, and is not overwritten.
             let is_written = self.write_text(&text, &|| {
                 self.hash_on_disk().ok().flatten().as_ref() != on_disk
@@ -262,15 +272,17 @@ impl Store {
     }
 
     /// Writes the document's file unless another program replaces it meanwhile; returns whether it
-    /// was written. On a full disk, the history file is removed to make room.
+    /// was written. The version before becomes the backup. On a full disk, the history file is
+    /// removed to make room.
     fn write_text(&self, text: &str, is_replaced: &dyn Fn() -> bool) -> io::Result<bool> {
-        let path = self.location.file();
-        match write_unless_replaced(path, text.as_bytes(), is_replaced) {
+        let (path, backup) = (self.location.file(), self.location.backup());
+        let write = || write_keeping_backup(path, text.as_bytes(), &backup, is_replaced);
+        match write() {
             Err(error)
                 if is_disk_full(&error)
                     && history_file::remove(&self.location.history()).is_ok() =>
             {
-                write_unless_replaced(path, text.as_bytes(), is_replaced)
+                write()
             }
             written => written,
         }
@@ -353,15 +365,7 @@ fn is_disk_full(error: &io::Error) -> bool {
 
 /// Moves a journal away if it contains edits; they belong to a document that is no longer here.
 fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
-    let holds_edits = match read_regular(path) {
-        // What cannot be read may be edits, too: of a newer program, or of a damaged journal.
-        Ok(bytes) => {
-            let content = JournalContent::parse(&bytes);
-            content.has_edits() || content.lost_bytes > 0
-        }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
-        Err(source) => return Err(StoreError::from_io("read", path, source)),
-    };
+    let holds_edits = JournalContent::parse(&read_journal(path)?).may_hold_edits();
     if holds_edits {
         set_aside(path, path, "orphan")
             .map_err(|source| StoreError::from_io("write", path, source))?;

@@ -3,6 +3,7 @@
 use super::Store;
 use super::contents::{Contents, Damage, Steps, read_contents};
 use super::recovery::Recovery;
+use super::unopened::FilesRead;
 use crate::document::{Document, History};
 use crate::store::atomic::{copy_aside, set_aside};
 use crate::store::journal::Journal;
@@ -73,6 +74,7 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
         mut recovery,
         whole_bytes,
         damage,
+        ..
     } = contents;
     remove_stray_files(location.folder());
     let path = location.journal();
@@ -112,9 +114,32 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
 /// # Errors
 /// There is no document, it cannot be read, or its content is not a document.
 pub fn read(path: &Path) -> Result<(Location, Document, Recovery), StoreError> {
+    let (location, document, recovery, _) = read_with_state(path)?;
+    Ok((location, document, recovery))
+}
+
+/// Reads a document as [`read`] does, and what its files held, for a later
+/// [`FilesRead::write_back`].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with_state(
+    path: &Path,
+) -> Result<(Location, Document, Recovery, FilesRead), StoreError> {
     let location = Location::find(path)?;
     let Contents {
-        document, recovery, ..
+        document,
+        recovery,
+        hash,
+        journal,
+        ..
     } = read_contents(&location, Steps::Ignored)?;
-    Ok((location, document, recovery))
+    let is_journal_in_document =
+        recovery.foreign_edits == 0 && recovery.misfit.is_none() && recovery.lost_bytes == 0;
+    let files = FilesRead {
+        hash,
+        journal,
+        is_journal_in_document,
+    };
+    Ok((location, document, recovery, files))
 }
