@@ -5,6 +5,7 @@
 
 pub mod frame_solution;
 pub mod gold;
+pub mod moment;
 pub mod suggestion;
 mod unanswered;
 mod uses;
