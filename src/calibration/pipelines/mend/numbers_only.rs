@@ -356,5 +356,4 @@ fn put(document: &mut Document, index: usize, camera: &CameraId, ptz: Ptz, sourc
 }
 
 #[cfg(test)]
-#[cfg(test)]
 mod tests;
