@@ -30,8 +30,11 @@ use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES
 /// tracking from neighbouring frames.
 ///
 /// VIDEO and CAMERAS give a new document; without CAMERAS, VIDEO is a document whose frames have
-/// imported cameras. Cameras alone, without a video, are compared with each other only: one place,
-/// and what is out of line with its neighbours. Exit code 1 if frames are left for a person.
+/// imported cameras. Cameras alone, without a video, are compared with each other only: each goes to
+/// the place at which it stands with others, if it fits there; frames that follow each other in time
+/// by the numbers in their names are compared, and those out of line replaced. What came stays with
+/// each frame. Exit code 1 if frames are left for a person, or more than a tenth was moved by over
+/// 20 px.
 #[derive(clap::Args, Debug)]
 pub struct MendArgs {
     /// The video, a document with imported cameras, or cameras alone.
@@ -161,9 +164,17 @@ fn mend_cameras_alone(
     messages.note(
         "without a video nothing was compared with a picture: a stretch that is wrong alike stays",
     );
-    for id in &mended.left {
+    for left in &mended.left {
+        if let Some(frame) = document.frames.by_id(&left.id) {
+            messages.frame_failed(&frame.name(), &left.why);
+        }
+    }
+    // One frame in ten may be wrong. Where more were moved far, a person has to see which.
+    let has_moved_many = mended.has_moved_many();
+    for (id, moved_px) in mended.moved_far.iter().filter(|_| has_moved_many) {
         if let Some(frame) = document.frames.by_id(id) {
-            messages.frame_failed(&frame.name(), "no camera beside it is near enough");
+            let why = format!("its camera was moved by {moved_px:.0} px (at 1920 px width)");
+            messages.frame_failed(&frame.name(), &why);
         }
     }
     output.write(document, &folder)?;
@@ -171,7 +182,9 @@ fn mend_cameras_alone(
     if args.output.output.is_some() {
         print(&numbers_table(&mended).to_text())?;
     }
-    Ok(Outcome::from_failure(!mended.left.is_empty()))
+    Ok(Outcome::from_failure(
+        has_moved_many || !mended.left.is_empty(),
+    ))
 }
 
 /// The frames of the video with the cameras of another program.
@@ -280,6 +293,7 @@ fn numbers_table(mended: &MendedNumbers) -> Table {
         ("of these mirrored", mended.mirrored),
         ("out of line with their neighbours", mended.out_of_line),
         ("interpolated", mended.interpolated),
+        ("moved by more than 20 px", mended.moved_far.len()),
         ("left for a person", mended.left.len()),
     ])
 }

@@ -229,8 +229,8 @@ fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
 /// [`WITHIN`] frames apart, or if it does not lie between them in time.
 fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
     let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
-    let whole = way(from, before, to, after)?;
-    let part = way(from, before, frame, index)?;
+    let whole = frames_between(from, to)?;
+    let part = frames_between(from, frame)?;
     // A document may list the frames of a video in any order.
     let is_between = (whole.min(0.0)..=whole.max(0.0)).contains(&part);
     if whole.abs() > WITHIN || !is_between {
@@ -245,24 +245,22 @@ fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Di
     ))
 }
 
-/// Number of frames from one frame to another, negative if the document has a video's frames in
-/// reverse order: of the video if both come from the same, of the document if they belong to a
-/// shot. None for stills, whose order says nothing about time.
-fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> Option<f64> {
-    match (&from.video, &to.video) {
-        (Some(from), Some(to)) if from.path == to.path => {
-            Some(to.frame_index as f64 - from.frame_index as f64)
-        }
-        _ => from
-            .clip
-            .is_some()
-            .then_some(to_index as f64 - from_index as f64),
-    }
+/// Number of frames from one frame of a shot to another, negative if the document has them in
+/// reverse order. None for stills and for names without a number: the order of a document's frames
+/// says nothing about time.
+fn frames_between(from: &Frame, to: &Frame) -> Option<f64> {
+    let is_shot = from.video.is_some() || from.clip.is_some();
+    from.moment().filter(|_| is_shot)?.frames_to(&to.moment()?)
 }
 
 /// The disagreement in R⁸, the displacements (x, y) of the four corners. In the middle frame's own
 /// picture they are 0, so its distance from the way is that of the origin from a segment.
-fn disagreement(own: &PtzCamera, from: Ptz, to: Ptz, image_size: ImageSize) -> Disagreement {
+pub(crate) fn disagreement(
+    own: &PtzCamera,
+    from: Ptz,
+    to: Ptz,
+    image_size: ImageSize,
+) -> Disagreement {
     let [from, to] =
         [from, to].map(|ptz| corners_off_px(own, &PtzCamera::new(*own.base(), ptz), image_size));
     let way = to - from;
@@ -307,8 +305,9 @@ mod tests {
             SIZE.centre(),
         );
         let mut document = document_with(&base, SIZE);
-        for &pan_deg in pans_deg {
-            let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
+        for (number, &pan_deg) in pans_deg.iter().enumerate() {
+            let name = format!("{number}.jpg");
+            let mut frame = Frame::from_image(&name, "main".into(), SIZE);
             frame.clip = Some(Clip::Number(1));
             frame.ptz = Some(FramePtz::new(
                 Ptz::from_degrees(pan_deg, -10.0, 2000.0),

@@ -41,7 +41,7 @@ pub use base::on_paint::{BasePaintAlignment, BasePaintEvidence, OnPaintErrors};
 pub use base::own_cameras::{OwnCameraError, OwnCameras, give_own_cameras};
 pub(crate) use base::paint_observations::{AT_ONCE, KnownCameras};
 pub use base::paint_observations::{BaseOnPaintError, FRAMES_FOR_PAINT};
-pub(crate) use base::refit::{ground_moved_px, ptz_on_base};
+pub(crate) use base::refit::{OnBase, ground_moved_px, ptz_on_base};
 pub(crate) use base::size_fit::OpenSize;
 pub use base::size_fit::describe_size;
 pub(crate) use base::size_on_paint::{ALONE_SIGMA_M, OpenField, as_paint_alone_gives};
@@ -62,6 +62,7 @@ pub use clip::{
     TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame, clip_of_frame, clips, is_anchor,
     is_doubtful, record_tracked, take_doubtful_stretch, track_clip,
 };
+pub(crate) use disagreement::disagreement;
 pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub use frames::better_camera::{BetterCamera, better_camera};
 pub use frames::calibration::{CalibrationError, calibrate, observations, solved_neighbours};

@@ -23,9 +23,9 @@ pub use match_labels::{
     learn_from_found,
 };
 pub use mend::{
-    CameraSurvey, CommonError, GivenCamera, GivenFault, ImpossibleCamera, MendError, MendEvent,
-    MendOptions, Mended, MendedFrame, MendedNumbers, NotAligned, Outcome, Tally, mend,
-    mend_numbers, survey_cameras,
+    CameraSurvey, CommonError, GivenCamera, GivenFault, ImpossibleCamera, LeftFrame, MENDED,
+    MendError, MendEvent, MendOptions, Mended, MendedFrame, MendedNumbers, NO_PLACE, NotAligned,
+    Outcome, Tally, mend, mend_numbers, survey_cameras,
 };
 pub use track_clips::{
     TrackedFrames, TrackingEvent, TrackingOptions, give_first_base, track_clips,

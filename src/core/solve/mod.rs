@@ -58,7 +58,7 @@ pub use optimiser::least_squares::{
 pub use optimiser::loss::Loss;
 pub use optimiser::residual::{Linearised, Residual};
 pub use outcome::covariance::{
-    CornerSigma, Uncertainty, covariance_in_radians, covariance_of_four_points,
+    CornerSigma, UNSTATED_PX, Uncertainty, covariance_in_radians, covariance_of_four_points,
 };
 pub use outcome::solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
 pub use outcome::verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, Verdict, judge};

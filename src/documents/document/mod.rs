@@ -127,6 +127,7 @@ pub use edits::step_edit::{StepEdit, StepMisfit};
 pub use fields::Fields;
 pub use frame_state::frame_solution::ENOUGH_EQUATIONS;
 pub use frame_state::gold::RepeatedClicks;
+pub use frame_state::moment::Moment;
 pub use frame_state::suggestion::Suggestion;
 pub use model::camera::{Camera, CameraSigma, Distortion, K1Curve, Stage};
 pub use model::camera_id::CameraId;

@@ -175,6 +175,30 @@ fn cameras_without_a_video_are_compared_with_each_other() {
         let off_deg = (is.pan - was.pan).degrees().abs();
         assert!(off_deg < 0.5, "{index}: {off_deg}");
     }
+    // What came stays with each frame, with how far and why it was moved.
+    let solution = mended.frames[7].solution.clone().unwrap();
+    assert_eq!(solution.warnings[0].code, "mended");
+    let moved_px = solution.imported.unwrap().moved_px.unwrap();
+    assert!(moved_px > 50.0, "{moved_px}");
+    // A camera that stands elsewhere is as it came, and left to a person.
+    let apart = foreign_clip(&truth, |index, base, _| {
+        if index + 1 == truth.frames.len() {
+            base.position_m += Vec3::new(12.0, -9.0, 5.0);
+        }
+    });
+    write(&folder.join("apart.json"), &apart);
+    let exported = touchline(&folder, "export apart.json --format soccernet -o apart");
+    assert_eq!(exported.code, 0, "{}", exported.stderr);
+    let order = format!(
+        "mend apart --size {}x{} -o two.json",
+        size.width, size.height
+    );
+    let ran = touchline(&folder, &order);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("it is as it came"), "{}", ran.stderr);
+    let two = document(&folder.join("two.json"));
+    let last = two.frames.last().unwrap();
+    assert_eq!((two.cameras.len(), last.status), (2, FrameStatus::Draft));
     // A video alone has no cameras.
     let ran = touchline(&folder, "mend cameras --format json -o none.json");
     assert_eq!(ran.code, 2);

@@ -35,6 +35,7 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Autocali
             own_covariance: known.map(Uncertainty::own_covariance_deg),
             worst_corner_sigma_px: known
                 .and_then(|known| known.corner_sigma_px_if_known(&camera, frame.image_size)),
+            imported: frame.take_imported(),
             ..Solution::default()
         });
         // The frame's own picture takes precedence over the adjustment of all frames.

@@ -7,7 +7,7 @@ use touchline_core::camera::CameraBase;
 use touchline_core::geometry::Angle;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    Camera, CameraId, Document, Frame, FrameStatus, SolutionSource,
+    Camera, CameraId, Document, Frame, FrameStatus, Solution, SolutionSource,
 };
 
 /// Pans that differ by less are equal, degrees: the conversion to another gauge rounds.
@@ -182,10 +182,14 @@ pub(super) fn forget_certainty(frame: &mut Frame) {
     replace_warning(solution, LINE_CHECK, None);
 }
 
-/// Removes what was proposed for a frame.
+/// Removes what was proposed for a frame. The camera that another program gave it is kept.
 pub(crate) fn withdraw(frame: &mut Frame) {
     frame.ptz = None;
-    frame.solution = None;
+    let imported = frame.take_imported();
+    frame.solution = imported.map(|imported| Solution {
+        imported: Some(imported),
+        ..Solution::default()
+    });
     if frame.status != FrameStatus::Rejected {
         frame.status = frame.undecided_status();
     }
@@ -205,7 +209,7 @@ mod tests {
     use crate::calibrate::fixtures::document_with;
     use touchline_core::camera::{BaseAngles, Ptz};
     use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{FramePtz, PaintEvidence, Solution};
+    use touchline_documents::document::{FramePtz, PaintEvidence};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 

@@ -179,6 +179,7 @@ fn record(document: &mut Document, index: usize, found: &LineCameraFit, names: &
         covariance: Some(known.ptz_covariance_deg()),
         own_covariance: Some(known.own_covariance_deg()),
         worst_corner_sigma_px: known.corner_sigma_px_if_known(&pointed, frame.image_size),
+        imported: frame.take_imported(),
         warnings: camera
             .identity
             .iter()

@@ -41,7 +41,7 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
     let Some(base) = camera.and_then(|camera| camera.base_for(frame)) else {
         return;
     };
-    let Some((ptz, off_px)) = ptz_on_base(&known, &base, frame.image_size) else {
+    let Some(OnBase { ptz, off_px, .. }) = ptz_on_base(&known, &base, frame.image_size) else {
         return;
     };
     // `get_mut` marks the frame as changed, so it is called only once there is a change.
@@ -66,13 +66,23 @@ fn tell(frame: &mut Frame, off_px: f64) {
     replace_warning(solution, BASE_MOVED, message);
 }
 
-/// Pan, tilt and focal length on another base that keep the ground in place on the picture, and the
-/// largest residual, px. None if the picture shows too little ground.
+/// A camera turned and zoomed on another base, and how far it is from what it was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct OnBase {
+    pub ptz: Ptz,
+    /// The largest distance of the ground from where it was in the picture, px.
+    pub off_px: f64,
+    /// The median distance, px at 1920 px width.
+    pub moved_px: f64,
+}
+
+/// Pan, tilt and focal length on another base that keep the ground in place on the picture as well
+/// as possible. None if the picture shows too little ground.
 pub(crate) fn ptz_on_base(
     before: &PtzCamera,
     base: &CameraBase,
     image_size: ImageSize,
-) -> Option<(Ptz, f64)> {
+) -> Option<OnBase> {
     // What the old camera sees of the ground serves as landmark clicks for the new base.
     let sigma_px = SIGMA_PX * image_size.scale_from_1920();
     let observations: Vec<Observation> = visible_ground(before, image_size)
@@ -94,7 +104,12 @@ pub(crate) fn ptz_on_base(
         .iter()
         .filter_map(ClickResidual::distance_px)
         .fold(0.0, f64::max);
-    Some((solved.ptz, off_px))
+    let now = PtzCamera::new(*base, solved.ptz);
+    Some(OnBase {
+        ptz: solved.ptz,
+        off_px,
+        moved_px: ground_moved_px(before, &now, image_size)? / image_size.scale_from_1920(),
+    })
 }
 
 /// How far the ground that one camera sees lies away in the picture of another one, px: the median

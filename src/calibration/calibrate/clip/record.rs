@@ -60,6 +60,7 @@ pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracke
             .and_then(|known| known.corner_sigma_px_if_known(&camera, frame.image_size)),
         source: Some(SolutionSource::Tracking),
         confidence: Some(tracked.confidence),
+        imported: frame.take_imported(),
         ..Solution::default()
     };
     if let Some(apart_px) = tracked

@@ -11,17 +11,13 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, Mat3};
 use touchline_core::solve::{
-    Observation, Uncertainty, covariance_in_radians, covariance_of_four_points,
+    Observation, UNSTATED_PX, Uncertainty, covariance_in_radians, covariance_of_four_points,
 };
 use touchline_documents::document::{Frame, SolutionSource};
 
 /// Assumed accuracy of a camera that was aligned to paint and has no covariance: that of four
 /// points with this σ, px at 1920 px width. Cameras that were aligned to paint state 0.2 to 0.6 px.
 const PAINT_PX: f64 = 1.0;
-
-/// Assumed accuracy of any other camera without a covariance: that of four points with this σ, px
-/// at 1920 px width. Cameras from trained programs typically have errors of this size.
-const UNSTATED_PX: f64 = 4.0;
 
 /// The covariance of (pan rad, tilt rad, focal length px) from the frame's own evidence, with the
 /// base taken as exact. In this order: the stored one; in documents without it, the one that

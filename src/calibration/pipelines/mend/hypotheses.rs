@@ -8,9 +8,9 @@
 
 use super::common_error::CommonError;
 use super::given::{GivenCamera, mirror};
-use super::places::{Shots, mirror_back, with_lens};
+use super::places::{Shots, mirror_back, ptz_near_place, with_lens};
 use super::{MendError, MendEvent};
-use crate::calibrate::{ground_moved_px, ptz_on_base};
+use crate::calibrate::ground_moved_px;
 use crate::proposals::PictureStream;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -240,7 +240,8 @@ impl Test<'_> {
         let base = with_lens(&place.base, corrected.lens);
         // Each given camera has a position of its own. On the common place it is turned and zoomed
         // until its ground lies where it was.
-        let (ptz, _) = ptz_on_base(corrected.given[index].usable()?, &base, frame.image_size)?;
+        let given = corrected.given[index].usable()?;
+        let ptz = ptz_near_place(given, &base, frame.image_size)?;
         let ground = GroundPicture::new(picture, &self.document.masks_of(frame));
         let field = self.fields.for_frame(self.document, frame);
         let snapped = snap(

@@ -2,16 +2,14 @@
 
 use super::common_error::CommonError;
 use super::given::GivenCamera;
+use super::kept::{AS_IT_CAME_PX, Move, keep_given};
 use crate::calibrate::{BaseOnPaintError, LINE_CHECK, ground_moved_px};
 use std::collections::BTreeSet;
 use std::fmt;
 use touchline_core::camera::PtzCamera;
+use touchline_core::solve::UNSTATED_PX;
 use touchline_core::solve::base::SharedPlace;
-use touchline_documents::document::{CameraId, Document, Frame, FrameId, ImportedCamera, Solution};
-
-/// A camera that moved by at most this much is as it came, px at 1920 px width: what the annotator
-/// would not see.
-const AS_IT_CAME_PX: f64 = 3.0;
+use touchline_documents::document::{CameraId, Document, Frame, FrameId, Solution};
 
 /// A mended frame below this confidence is left for a person.
 const DOUBTED: f64 = 0.5;
@@ -146,19 +144,19 @@ pub(super) fn compare_frames(
 }
 
 impl Mended {
-    /// Writes into each mended frame the camera that it came with.
+    /// Writes into each mended frame the camera that it came with, and how far it was moved.
     pub(super) fn record_imported(&self, before: &Document, after: &mut Document) {
         for (index, mended) in self.frames.iter().enumerate() {
-            let came = before.ptz_camera(&before.frames[index]);
             // Frames that people decided on were not touched, and state no camera of another
             // program.
             let is_mended = mended.outcome != Outcome::Decided;
-            let Some(came) = came.filter(|_| is_mended) else {
+            if !is_mended {
                 continue;
-            };
-            if let Some(solution) = &mut after.frames[index].solution {
-                let fault = mended.given.fault().map(ToString::to_string);
-                solution.imported = ImportedCamera::new(&came, mended.moved_px, fault);
+            }
+            keep_given(after, before, index, mended.given.fault(), Move::ByPicture);
+            // What stays of the given cameras is as uncertain as they are.
+            if after.frames[index].is_uncertainty_unstated() {
+                after.state_uncertainty(index, UNSTATED_PX);
             }
         }
     }

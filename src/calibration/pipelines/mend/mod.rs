@@ -39,9 +39,12 @@
 //!
 //! `tests/benches/mend.md`.
 
+mod by_frame;
+mod clips_in_time;
 mod common_error;
 mod given;
 mod hypotheses;
+mod kept;
 mod mended;
 mod numbers_only;
 mod places;
@@ -49,8 +52,9 @@ mod survey;
 
 pub use common_error::CommonError;
 pub use given::{GivenCamera, GivenFault};
+pub use kept::{MENDED, NO_PLACE};
 pub use mended::{Mended, MendedFrame, NotAligned, Outcome, Tally};
-pub use numbers_only::{MendedNumbers, mend_numbers};
+pub use numbers_only::{LeftFrame, MendedNumbers, mend_numbers};
 pub use survey::{CameraSurvey, ImpossibleCamera, survey_cameras};
 
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};

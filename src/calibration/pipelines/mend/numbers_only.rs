@@ -1,33 +1,41 @@
-//! Given cameras put on one place by their numbers alone, where there is no picture to compare them
-//! with.
+//! Given cameras put on their places by their numbers alone, where there is no picture to compare
+//! them with.
 //!
-//! 1. Impossible and mirrored cameras are recognized as with pictures, and the place that the
-//!    others share becomes the camera of all frames.
-//! 2. Smoothness. A frame whose camera lies farther from those of its neighbours than they lie
-//!    apart loses it, the farthest first, until all agree ([`Disagreements`]).
-//! 3. Short gaps are interpolated.
+//! 1. Impossible cameras are recognized as with pictures. Each other camera goes to the place at
+//!    which it stands, if it fits there (`by_frame.rs`); one that fits none stays as it came, as a
+//!    draft.
+//! 2. Smoothness. Only frames that follow each other in time are compared with each other
+//!    (`clips_in_time.rs`). A frame whose camera lies farther from those of its neighbours than they
+//!    lie apart loses it, the farthest first, until all agree.
+//! 3. A frame between them that fits no place may be mirrored, or have been found from too narrow a
+//!    view: it joins its neighbours if it is in line with them.
+//! 4. Short gaps are interpolated.
 //!
-//! No claim of a confidence follows from this: a stretch of frames that are wrong alike is smooth.
+//! Each frame keeps the camera that it came with, and says how far and why it was moved. No claim
+//! of a confidence follows from numbers: a stretch of frames that are wrong alike is smooth.
 
-use super::given::given_cameras;
-use super::places::{Shots, mirror_back};
+use super::by_frame::{FramePlaces, PlacedFrame};
+use super::clips_in_time::{ClipInTime, Gap, OUT_OF_LINE_PX, apart_px};
+use super::given::{GivenCamera, given_cameras, mirror};
+use super::kept::{Move, keep_given};
+use super::places::place_camera;
 use super::{MendError, count_usable};
-use crate::calibrate::{Disagreement, Disagreements, withdraw};
-use std::collections::BTreeMap;
+use crate::calibrate::{ptz_on_base, withdraw};
+use std::collections::BTreeSet;
 use std::path::Path;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::solve::UNSTATED_PX;
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::{
-    Camera, Clip, Document, Fields, Frame, FrameId, FramePtz, FrameStatus, Solution, SolutionSource,
+    Camera, CameraId, Document, Fields, FrameId, FramePtz, FrameStatus, Solution, SolutionSource,
 };
 
-/// A camera is out of line if it is farther than this from what its neighbours predict, px at
-/// 1920 px width, and farther than they are apart. Programs that calibrate frames one by one
-/// scatter by 10 px.
-const OUT_OF_LINE_PX: f64 = 20.0;
+/// A frame whose ground was moved by more is moved far, px at 1920 px width.
+const FAR_PX: f64 = 20.0;
 
-/// The longest gap that is interpolated, frames of the video. Within a second a camera may look
-/// elsewhere.
-const LONGEST_GAP: f64 = 12.0;
+/// If more than this share of the frames was moved far, the cameras or their places are not what
+/// they seem.
+const MANY: f64 = 0.1;
 
 /// What became of given cameras without pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,8 +52,28 @@ pub struct MendedNumbers {
     pub interpolated: usize,
     /// The places that the cameras share.
     pub places: Vec<SharedPlace>,
-    /// The frames that have no camera.
-    pub left: Vec<FrameId>,
+    /// The frames that are left for a person: without a camera, or with the one that they came
+    /// with, which fits no place.
+    pub left: Vec<LeftFrame>,
+    /// The frames whose ground was moved by more than 20 px at 1920 px width, with that distance.
+    pub moved_far: Vec<(FrameId, f64)>,
+}
+
+/// A frame that is left for a person.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftFrame {
+    /// The frame.
+    pub id: FrameId,
+    /// Why.
+    pub why: String,
+}
+
+impl MendedNumbers {
+    /// Whether so many frames were moved far that a person should look at the list.
+    #[must_use]
+    pub fn has_moved_many(&self) -> bool {
+        self.moved_far.len() as f64 > MANY * self.came as f64
+    }
 }
 
 /// Mends the given cameras of a document without its pictures. Frames that people decided on keep
@@ -58,291 +86,274 @@ pub fn mend_numbers(document: &mut Document, folder: &Path) -> Result<MendedNumb
     let fields = Fields::from_document(document.at(folder))?;
     let given = given_cameras(document, &fields);
     let cameras = count_usable(&given)?;
-    // All frames are one shot, since only pictures show cuts.
-    let shots = Shots::new(document, Vec::new(), &given).ok_or(MendError::NoPlace { cameras })?;
-    let given = mirror_back(&given, &shots.places);
-    // On a copy: an error leaves the document as it is.
-    let mut mended = document.clone();
-    join_shots(&mut mended);
-    shots.place_cameras(&mut mended, &given, None);
-    let out_of_line = drop_out_of_line(&mut mended);
-    let interpolated = interpolate_gaps(&mut mended);
-    let left = mended.frames.iter().filter(|frame| frame.ptz.is_none());
-    let result = MendedNumbers {
-        came: given.iter().filter(|given| !given.is_missing()).count(),
-        impossible: given.iter().filter(|given| given.fault().is_some()).count(),
-        mirrored: given.iter().filter(|given| given.is_mirrored()).count(),
-        out_of_line,
-        interpolated,
-        left: left.map(|frame| frame.id.clone()).collect(),
-        places: shots.places,
+    let FramePlaces { places, of_frame } = FramePlaces::from_given(document, &given);
+    if places.is_empty() {
+        return Err(MendError::NoPlace { cameras });
+    }
+    let mut mending = MendingNumbers {
+        moves: vec![Move::None; given.len()],
+        mended: document.clone(),
+        before: document,
+        given,
+        of_frame,
     };
+    mending.place_frames(&places);
+    for clip in ClipInTime::all(&mending.mended) {
+        mending.drop_out_of_line(&clip);
+        mending.join_neighbours(&clip);
+        mending.interpolate_gaps(&clip);
+    }
+    mending.keep_rest();
+    let result = mending.finish(places);
+    let mended = mending.mended;
     *document = mended;
     Ok(result)
 }
 
-/// Puts frames that belong to neither a shot nor a video into one shot: cameras of single files are
-/// those of a sequence, in the order of the files.
-fn join_shots(document: &mut Document) {
-    for index in 0..document.frames.len() {
-        let frame = &document.frames[index];
-        if frame.clip.is_none() && frame.video.is_none() {
-            document.frames[index].clip = Some(Clip::Number(1));
+/// The state while numbers are mended.
+struct MendingNumbers<'a> {
+    /// The document as it came.
+    before: &'a Document,
+    /// On a copy: an error leaves the document as it is.
+    mended: Document,
+    given: Vec<GivenCamera>,
+    of_frame: Vec<Option<PlacedFrame>>,
+    /// What was done with the camera of each frame.
+    moves: Vec<Move>,
+}
+
+impl MendingNumbers<'_> {
+    /// Gives each place one camera of the document, and the open frames that fit it their camera
+    /// there. Impossible cameras are taken away.
+    fn place_frames(&mut self, places: &[SharedPlace]) {
+        for (place, shared) in places.iter().enumerate() {
+            let is_here = |index: usize| {
+                self.before.frames[index].is_open()
+                    && self.of_frame[index].is_some_and(|at| at.place == place)
+            };
+            let Some(camera) = place_camera(&mut self.mended, shared, None, is_here) else {
+                continue;
+            };
+            for index in shared
+                .members
+                .iter()
+                .copied()
+                .filter(|index| is_here(*index))
+            {
+                if let Some(at) = self.of_frame[index] {
+                    let (ptz, source) = (at.on_base.ptz, SolutionSource::Import);
+                    put(&mut self.mended, index, &camera, ptz, source);
+                    self.moves[index] = Move::OntoPlace;
+                }
+            }
+        }
+        for (index, given) in self.given.iter().enumerate() {
+            if given.fault().is_some() && self.before.frames[index].is_open() {
+                withdraw(&mut self.mended.frames[index]);
+            }
         }
     }
-}
 
-/// Takes away the cameras that are out of line with those of their neighbours, the farthest first:
-/// its neighbours seem out of line only as long as it is there. Returns their number.
-fn drop_out_of_line(document: &mut Document) -> usize {
-    let mut disagreements = Disagreements::from_document(document);
-    let all: Vec<usize> = (0..document.frames.len()).collect();
-    let mut out = BTreeMap::new();
-    update_out_of_line(document, &disagreements, &all, &mut out);
-    // Each round removes one camera, so the loop ends. Only the neighbours of the removed one are
-    // compared anew.
-    let mut dropped = 0;
-    while let Some(index) = farthest_frame(&out) {
-        withdraw(&mut document.frames[index]);
-        out.remove(&index);
-        dropped += 1;
-        let edition = disagreements.edition();
-        disagreements.update(document);
-        let changed = disagreements.changes_since(edition).unwrap_or(&all);
-        update_out_of_line(document, &disagreements, changed, &mut out);
-    }
-    dropped
-}
-
-/// Updates `out`, the frames whose cameras are out of line with their distances in px, at some
-/// frames of the document.
-fn update_out_of_line(
-    document: &Document,
-    disagreements: &Disagreements,
-    frames: &[usize],
-    out: &mut BTreeMap<usize, f64>,
-) {
-    for &index in frames {
-        let found = disagreements.for_frame(index).filter(is_out_of_line);
-        out.remove(&index);
-        if let Some(found) = found.filter(|_| document.frames[index].is_open()) {
-            out.insert(index, found.apart_px);
-        }
-    }
-}
-
-/// The frame with the greatest distance, of equal ones the last.
-fn farthest_frame(out: &BTreeMap<usize, f64>) -> Option<usize> {
-    let worst = out.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
-    worst.map(|(index, _)| *index)
-}
-
-fn is_out_of_line(found: &Disagreement) -> bool {
-    found.apart_px > OUT_OF_LINE_PX && found.apart_px > found.neighbours_px
-}
-
-/// Interpolates pan, tilt and the logarithm of the focal length over short gaps between frames of
-/// one shot. Frames of other shots within a gap are left alone. Returns the number of filled
-/// frames.
-fn interpolate_gaps(document: &mut Document) -> usize {
-    // A person found the camera of a rejected frame wrong, so it is no end of a gap.
-    let solved: Vec<usize> = (0..document.frames.len())
-        .filter(|index| {
-            let frame = &document.frames[*index];
-            frame.ptz.is_some() && frame.status != FrameStatus::Rejected
-        })
-        .collect();
-    let mut filled = 0;
-    for pair in solved.windows(2) {
-        let [before, after] = [pair[0], pair[1]];
-        let [first, last] = [before, after].map(|index| &document.frames[index]);
-        let ends = [first, last].map(|frame| frame.ptz.as_ref().map(FramePtz::ptz));
-        let [Some(from), Some(to)] = ends else {
-            continue;
-        };
-        let (start, end) = (first.number_at(before) as f64, last.number_at(after) as f64);
-        if !are_of_one_shot(first, last) || (end - start).abs() - 1.0 > LONGEST_GAP {
-            continue;
-        }
-        let base = document.camera(&first.camera).and_then(Camera::base);
-        let missing: Vec<(usize, f64)> = (before + 1..after)
-            .filter_map(|index| {
-                let frame = &document.frames[index];
-                let share = (frame.number_at(index) as f64 - start) / (end - start);
-                let is_missing = frame.is_open() && are_of_one_shot(first, frame);
-                // A document may list the frames of a video in any order.
-                (is_missing && (0.0..=1.0).contains(&share)).then_some((index, share))
-            })
-            .collect();
-        // The camera is taken to move uniformly from one end of the gap to the other.
-        for (index, share) in missing {
-            let ptz = from.interpolate(&to, share);
-            let frame = &mut document.frames[index];
-            let lens = base.map(|base| base.distortion.radial_at(ptz.focal_px));
-            frame.point(ptz, lens.unwrap_or_default());
-            frame.status = FrameStatus::Suggested;
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Interpolated),
-                ..Solution::default()
+    /// Puts frames that fit no place on that of their neighbours in time, as they came, turned
+    /// round, or mirrored: the first of these that is in line with them. One that is not loses its
+    /// camera.
+    fn join_neighbours(&mut self, clip: &ClipInTime) {
+        let (given, of_frame, before) = (&self.given, &self.of_frame, self.before);
+        let mended = &self.mended;
+        let is_open = |index: usize| before.frames[index].is_open() && of_frame[index].is_none();
+        let joining = clip.gaps(
+            mended,
+            |index| is_open(index) && given[index].usable().is_some(),
+            |index| of_frame[index].is_some() && mended.frames[index].ptz.is_some(),
+        );
+        for (index, gap) in joining {
+            let camera = self.mended.frames[gap.from].camera.clone();
+            let base = self.mended.camera(&camera).and_then(Camera::base);
+            let given = self.given[index].usable().copied();
+            let (Some(base), Some(given)) = (base, given) else {
+                continue;
+            };
+            let turned = given.after_half_turn();
+            let ways = [
+                (given, false),
+                (turned, false),
+                (mirror(&given), true),
+                (mirror(&turned), true),
+            ];
+            let there = ways.map(|(way, is_mirrored)| {
+                let (ptz, apart_px) = self.beside(index, gap, &base, &way)?;
+                Some((ptz, apart_px, is_mirrored))
             });
-            filled += 1;
+            let mut in_line = there.into_iter().flatten();
+            if let Some((ptz, _, is_mirrored)) =
+                in_line.find(|(_, apart, _)| *apart <= OUT_OF_LINE_PX)
+            {
+                put(
+                    &mut self.mended,
+                    index,
+                    &camera,
+                    ptz,
+                    SolutionSource::Import,
+                );
+                self.moves[index] = Move::OntoPlace;
+                if is_mirrored {
+                    self.given[index] = GivenCamera::Mirrored(Box::new(given));
+                    self.moves[index] = Move::Mirrored;
+                }
+            } else {
+                withdraw(&mut self.mended.frames[index]);
+                let apart_px = there[0].map_or(f64::INFINITY, |(_, apart_px, _)| apart_px);
+                self.moves[index] = Move::OutOfLine { apart_px };
+            }
         }
     }
-    filled
+
+    /// A camera on the base of its neighbours, and how far it is out of line with them there.
+    fn beside(
+        &self,
+        index: usize,
+        gap: Gap,
+        base: &CameraBase,
+        camera: &PtzCamera,
+    ) -> Option<(Ptz, f64)> {
+        let ptz = ptz_on_base(camera, base, self.mended.frames[index].image_size)?.ptz;
+        let apart_px = apart_px(&self.mended, &PtzCamera::new(*base, ptz), gap)?;
+        Some((ptz, apart_px))
+    }
+
+    /// Takes away the cameras that are out of line with those of their neighbours.
+    fn drop_out_of_line(&mut self, clip: &ClipInTime) {
+        for &(index, apart_px) in &clip.out_of_line {
+            withdraw(&mut self.mended.frames[index]);
+            self.moves[index] = Move::OutOfLine { apart_px };
+        }
+    }
+
+    /// Interpolates pan, tilt and the logarithm of the focal length over short gaps.
+    fn interpolate_gaps(&mut self, clip: &ClipInTime) {
+        let mended = &self.mended;
+        let solved: BTreeSet<usize> = clip.solved(mended).into_iter().collect();
+        let is_missing = |index: usize| {
+            let frame = &mended.frames[index];
+            frame.ptz.is_none() && frame.is_open()
+        };
+        for (index, gap) in clip.gaps(mended, is_missing, |index| solved.contains(&index)) {
+            let ends = [gap.from, gap.to].map(|end| self.mended.frames[end].ptz.as_ref());
+            let [Some(from), Some(to)] = ends.map(|end| end.map(FramePtz::ptz)) else {
+                continue;
+            };
+            if self.is_of_other_camera(index, gap) {
+                continue;
+            }
+            let Some((share, [frames_before, frames_after])) = gap.share(&self.mended, index)
+            else {
+                continue;
+            };
+            // The camera is taken to move uniformly from one end of the gap to the other. By how
+            // much it does not, the frames that have their neighbours beside them show: twice as
+            // far, the deviation is four times as large.
+            let camera = self.mended.frames[gap.from].camera.clone();
+            let (ptz, source) = (from.interpolate(&to, share), SolutionSource::Interpolated);
+            put(&mut self.mended, index, &camera, ptz, source);
+            let sigma_px = clip.typical_px * frames_before * frames_after;
+            let out_of_line_px = match self.moves[index] {
+                Move::OutOfLine { apart_px } => Some(apart_px),
+                _ => None,
+            };
+            self.moves[index] = Move::Interpolated {
+                sigma_px,
+                out_of_line_px,
+            };
+        }
+    }
+
+    /// Whether a frame that came without a camera is known to be of another one than a gap's ends.
+    fn is_of_other_camera(&self, index: usize, gap: Gap) -> bool {
+        let camera = &self.mended.frames[index].camera;
+        let is_other = *camera != self.mended.frames[gap.from].camera;
+        let mut frames = self.mended.frames.iter();
+        self.given[index].is_missing()
+            && is_other
+            && frames.any(|frame| frame.camera == *camera && frame.ptz.is_some())
+    }
+
+    /// Leaves cameras that fit no place to a person, as they came.
+    fn keep_rest(&mut self) {
+        for (index, given) in self.given.iter().enumerate() {
+            let frame = &mut self.mended.frames[index];
+            let stays = self.of_frame[index].is_none() && self.moves[index] == Move::None;
+            if stays && frame.is_open() && frame.ptz.is_some() && given.usable().is_some() {
+                frame.status = FrameStatus::Draft;
+                self.moves[index] = Move::FitsNoPlace;
+            }
+        }
+        let used = self.mended.used_cameras();
+        self.mended
+            .cameras
+            .retain(|camera| used.contains(&camera.id));
+    }
+
+    /// Records what came with each frame and what was done with it, and counts it.
+    fn finish(&mut self, places: Vec<SharedPlace>) -> MendedNumbers {
+        let mut result = MendedNumbers {
+            came: self
+                .given
+                .iter()
+                .filter(|given| !given.is_missing())
+                .count(),
+            impossible: count(&self.given, |given| given.fault().is_some()),
+            mirrored: count(&self.given, GivenCamera::is_mirrored),
+            places,
+            ..MendedNumbers::default()
+        };
+        for (index, given) in self.given.iter().enumerate() {
+            if !self.before.frames[index].is_open() {
+                continue;
+            }
+            let how = self.moves[index];
+            let moved_px = keep_given(&mut self.mended, self.before, index, given.fault(), how);
+            if let Some(sigma_px) = how.sigma_px() {
+                self.mended
+                    .state_uncertainty(index, sigma_px.max(UNSTATED_PX));
+            }
+            let frame = &self.mended.frames[index];
+            let id = &frame.id;
+            result.out_of_line += usize::from(how.is_out_of_line());
+            result.interpolated +=
+                usize::from(frame.source() == Some(SolutionSource::Interpolated));
+            if let Some(moved_px) = moved_px.filter(|moved_px| *moved_px > FAR_PX) {
+                result.moved_far.push((id.clone(), moved_px));
+            }
+            if let Some(why) = how.why_left(given, frame.ptz.is_some()) {
+                result.left.push(LeftFrame {
+                    id: id.clone(),
+                    why,
+                });
+            }
+        }
+        result
+    }
 }
 
-/// Whether two frames are of the same camera, clip and video.
-fn are_of_one_shot(one: &Frame, other: &Frame) -> bool {
-    one.camera == other.camera && one.clip == other.clip && one.video_path() == other.video_path()
+fn count(given: &[GivenCamera], is_counted: impl Fn(&GivenCamera) -> bool) -> usize {
+    given.iter().filter(|given| is_counted(given)).count()
+}
+
+/// Gives a frame a camera as a suggestion.
+fn put(document: &mut Document, index: usize, camera: &CameraId, ptz: Ptz, source: SolutionSource) {
+    let base = document.camera(camera).and_then(Camera::base);
+    let lens = base.map(|base| base.distortion.radial_at(ptz.focal_px));
+    let frame = &mut document.frames[index];
+    frame.camera.clone_from(camera);
+    frame.point(ptz, lens.unwrap_or_default());
+    frame.status = FrameStatus::Suggested;
+    let extra = frame.solution.take().map(|known| known.extra);
+    frame.solution = Some(Solution {
+        source: Some(source),
+        extra: extra.unwrap_or_default(),
+        ..Solution::default()
+    });
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, Radial};
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{CameraId, FieldSpec, VideoFrame};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
-
-    /// Frames of a camera that pans by 0.3° a frame; each has a camera of its own, 2 cm beside the
-    /// common place.
-    fn document(frames: usize) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        for index in 0..frames {
-            let id = CameraId::from(format!("main-{index}").as_str());
-            let mut camera = Camera::new(id.clone(), SIZE);
-            let off_m = 0.02 * (index % 3) as f64;
-            camera.set_base(&CameraBase::new(
-                Vec3::new(1.0 + off_m, -70.0, 18.0),
-                BaseAngles::default().base_from_world(),
-                SIZE.centre(),
-            ));
-            document.cameras.push(camera.into());
-            let mut frame = Frame::from_image(&format!("{index:03}.jpg"), id, SIZE);
-            let pan_deg = -6.0 + 0.3 * index as f64;
-            frame.point(Ptz::from_degrees(pan_deg, -12.0, 2400.0), Radial::default());
-            frame.status = FrameStatus::Suggested;
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Import),
-                ..Solution::default()
-            });
-            document.frames.push(frame.into());
-        }
-        document
-    }
-
-    fn pan_deg(document: &Document, index: usize) -> f64 {
-        let ptz = document.frames[index].ptz.as_ref().unwrap().ptz();
-        ptz.pan.degrees()
-    }
-
-    #[test]
-    fn cameras_out_of_line_are_replaced_by_those_between_their_neighbours() {
-        let mut document = document(40);
-        document.frames[10].point(Ptz::from_degrees(12.0, -12.0, 2400.0), Radial::default());
-        document.frames[20].point(Ptz::from_degrees(0.0, -12.0, 3.0e6), Radial::default());
-        let mended = mend_numbers(&mut document, Path::new("/match")).unwrap();
-        assert_eq!(
-            (mended.came, mended.impossible, mended.out_of_line),
-            (40, 1, 1)
-        );
-        assert_eq!((mended.interpolated, mended.left.len()), (2, 0));
-        assert_eq!(document.cameras.len(), 1);
-        for index in 0..40 {
-            let expected = -6.0 + 0.3 * index as f64;
-            let off_deg = (pan_deg(&document, index) - expected).abs();
-            assert!(off_deg < 0.1, "{index}: {off_deg}");
-        }
-        let source = |index: usize| document.frames[index].source();
-        assert_eq!(source(10), Some(SolutionSource::Interpolated));
-        assert_eq!(source(11), Some(SolutionSource::Import));
-    }
-
-    #[test]
-    fn long_gaps_stay_and_are_named() {
-        let mut document = document(60);
-        for index in 20..40 {
-            document.frames[index].point(Ptz::from_degrees(0.0, -12.0, 3.0e6), Radial::default());
-        }
-        let mended = mend_numbers(&mut document, Path::new("/match")).unwrap();
-        assert_eq!((mended.impossible, mended.interpolated), (20, 0));
-        assert_eq!(mended.left.len(), 20);
-        assert_eq!(mended.left[0], document.frames[20].id);
-    }
-
-    #[test]
-    fn frames_of_other_shots_in_a_gap_stay_as_they_are() {
-        let changes: [fn(&mut Frame); 3] = [
-            |frame| frame.camera = "beside".into(),
-            |frame| frame.clip = Some(Clip::Number(2)),
-            |frame| frame.video = Some(VideoFrame::new("other.mp4", 0, None)),
-        ];
-        for change in changes {
-            let mut document = document(4);
-            let main = document.frames[0].camera.clone();
-            for frame in &mut document.frames {
-                frame.camera.clone_from(&main);
-            }
-            for index in [1, 2] {
-                withdraw(&mut document.frames[index]);
-            }
-            change(&mut document.frames[2]);
-            let before = document.frames[2].clone();
-            assert_eq!(interpolate_gaps(&mut document), 1);
-            assert_eq!(document.frames[2], before);
-            assert!((pan_deg(&document, 1) + 5.7).abs() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn a_gap_is_as_long_as_it_is_in_the_video() {
-        for (numbers, filled) in [([0, 3, 9, 12], 2), ([0, 30, 90, 120], 0)] {
-            let mut document = document(4);
-            let main = document.frames[0].camera.clone();
-            for (frame, number) in document.frames.iter_mut().zip(numbers) {
-                frame.camera.clone_from(&main);
-                frame.video = Some(VideoFrame::new("match.mp4", number, None));
-            }
-            for index in [1, 2] {
-                withdraw(&mut document.frames[index]);
-            }
-            assert_eq!(interpolate_gaps(&mut document), filled, "{numbers:?}");
-            if filled > 0 {
-                // A quarter of the way from -6° to -5.1°.
-                assert!((pan_deg(&document, 1) + 5.775).abs() < 1e-9);
-            }
-        }
-    }
-
-    #[test]
-    fn a_rejected_camera_is_no_end_of_a_gap() {
-        let mut document = document(5);
-        let main = document.frames[0].camera.clone();
-        for frame in &mut document.frames {
-            frame.camera.clone_from(&main);
-        }
-        for index in [1, 2] {
-            withdraw(&mut document.frames[index]);
-        }
-        document.frames[3].point(Ptz::from_degrees(40.0, -12.0, 2400.0), Radial::default());
-        document.frames[3].status = FrameStatus::Rejected;
-        assert_eq!(interpolate_gaps(&mut document), 2);
-        assert!((pan_deg(&document, 1) + 5.7).abs() < 1e-9);
-    }
-
-    #[test]
-    fn nothing_possible_is_an_error_and_changes_nothing() {
-        let mut document = document(5);
-        for frame in &mut document.frames {
-            frame.point(Ptz::from_degrees(0.0, -12.0, 3.0e6), Radial::default());
-        }
-        let before = document.clone();
-        let error = mend_numbers(&mut document, Path::new("/match")).unwrap_err();
-        assert!(
-            matches!(error, MendError::NonePossible { cameras: 5, .. }),
-            "{error}"
-        );
-        assert_eq!(document, before);
-    }
-}
+mod tests;

@@ -4,7 +4,8 @@ use super::given::{GivenCamera, mirror};
 use crate::calibrate::{ptz_on_base, withdraw};
 use std::collections::BTreeSet;
 use std::ops::Range;
-use touchline_core::camera::{CameraBase, FocalCurve, PtzCamera};
+use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::geometry::ImageSize;
 use touchline_core::solve::base::{SharedPlace, shared_places};
 use touchline_documents::document::{
     Camera, CameraId, Document, FrameStatus, Solution, SolutionSource,
@@ -15,6 +16,10 @@ use touchline_documents::document::{
 const LEAST_SHARE_OF_SHOT: f64 = 0.3;
 /// And at least this number of them.
 const FEWEST_IN_SHOT: usize = 3;
+
+/// A given camera stands elsewhere if its ground moves by more than this on the place of its shot,
+/// px at 1920 px width: the median over the picture. Paint does not attract lines from so far.
+const FAR_PX: f64 = 100.0;
 
 /// The shots of a video, and where their cameras stand.
 pub(super) struct Shots {
@@ -86,7 +91,12 @@ impl Shots {
         let used: BTreeSet<usize> = self.of_shot.iter().flatten().copied().collect();
         let mut ids = vec![None; self.places.len()];
         for place in used {
-            ids[place] = place_camera(document, &self.places[place], lens);
+            let open: Vec<bool> = document
+                .frames
+                .iter()
+                .map(|frame| frame.is_open())
+                .collect();
+            ids[place] = place_camera(document, &self.places[place], lens, |index| open[index]);
         }
         let main = ids.iter().flatten().next().cloned();
         for (shot, range) in self.ranges.iter().enumerate() {
@@ -106,7 +116,7 @@ impl Shots {
                     .zip(place)
                     .and_then(|(camera, place)| {
                         let base = with_lens(&self.places[place].base, lens);
-                        Some((ptz_on_base(camera, &base, frame.image_size)?.0, base))
+                        Some((ptz_near_place(camera, &base, frame.image_size)?, base))
                     });
                 // The given camera stays in the copy before, from which it is recorded later. Here
                 // it is replaced by its equivalent on the common place, or removed.
@@ -154,22 +164,19 @@ fn members_in(place: &SharedPlace, range: &Range<usize>) -> usize {
 }
 
 /// Sets the base of a place in a camera that its members came with, and returns that camera's id.
-/// A camera with frames that people decided on keeps its base; the place then gets a copy of it.
-fn place_camera(
+/// A camera with frames that do not move there (those that people decided on, above all) keeps its
+/// base; the place then gets a copy of it.
+pub(super) fn place_camera(
     document: &mut Document,
     place: &SharedPlace,
     lens: Option<FocalCurve>,
+    moves: impl Fn(usize) -> bool,
 ) -> Option<CameraId> {
     let frames = &document.frames;
-    let first = place
-        .members
-        .iter()
-        .find(|index| frames[**index].is_open())?;
+    let first = place.members.iter().find(|index| moves(**index))?;
     let mut id = frames[*first].camera.clone();
-    if frames
-        .iter()
-        .any(|frame| frame.camera == id && !frame.is_open())
-    {
+    let mut of_camera = (0..frames.len()).filter(|index| frames[*index].camera == id);
+    if !of_camera.all(&moves) {
         let camera = document.camera(&id)?.clone();
         id = document.add_copy(&camera);
     }
@@ -185,6 +192,17 @@ fn place_camera(
         camera.distortion = None;
     }
     Some(id)
+}
+
+/// A given camera on the base of its place; none if it moves too far there to begin with: it stands
+/// elsewhere.
+pub(super) fn ptz_near_place(
+    camera: &PtzCamera,
+    base: &CameraBase,
+    image_size: ImageSize,
+) -> Option<Ptz> {
+    let on_base = ptz_on_base(camera, base, image_size)?;
+    (on_base.moved_px <= FAR_PX).then_some(on_base.ptz)
 }
 
 /// A base with a lens in place of its own, if there is one.
@@ -237,8 +255,8 @@ fn stands_at_one_of(places: &[SharedPlace], camera: &PtzCamera) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::camera::BaseAngles;
+    use touchline_core::geometry::Vec3;
     use touchline_documents::document::{FieldSpec, Frame};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);

@@ -17,9 +17,11 @@
 //!    axis `a` minimises the sum of `(x · a)²`. With `a = (u, v, 1)` this is linear in `u` and `v`.
 //!    Cauchy weights reduce the effect of wrong frames, and a prior that the head is levelled
 //!    within [`LEVEL_DEG`] decides where the frames look almost the same way.
-//! 4. The lens: a line through k₁ over the focal length by the median of slopes; the median of the
-//!    principal point.
-//! 5. Frames that do not belong to it are searched for a further place in the same way.
+//! 4. The lens: a line through k₁ over the focal length by the median of slopes, weighed against a
+//!    prior; the median of the principal point.
+//! 5. The σ: that of the median, and an error that all cameras have in common ([`COMMON_M`],
+//!    [`LEVEL_DEG`]).
+//! 6. Frames that do not belong to it are searched for a further place in the same way.
 //!
 //! The result is a start: an adjustment to painted lines or clicks follows (`adjust.rs`).
 
@@ -52,13 +54,26 @@ const LEVEL_DEG: f64 = 0.5;
 /// Candidates for the mode; more positions than this are subsampled.
 const MOST_CANDIDATES: usize = 1000;
 
+/// The least 1-σ of a shared position along each axis, m. The cameras of one program have errors in
+/// common, of the field's size and of the lens above all, which no number of frames averages out.
+const COMMON_M: f64 = 0.5;
+
+/// What is known of a lens beforehand: 1-σ of k₁, of its change with the logarithm of the focal
+/// length (0.1 per 1000 px at 2500 px), and of k₂ / k₁².
+const K1_SIGMA: f64 = 0.2;
+const SLOPE_BY_LOG_FOCAL: f64 = 0.25;
+const K2_RATIO_SIGMA: f64 = 5.0;
+
+/// The least 1-σ of a given k₁: the digits of a file.
+const K1_DIGITS: f64 = 1e-8;
+
 /// σ of normally distributed errors as a multiple of their median absolute deviation.
 const SIGMA_OVER_MAD: f64 = 1.4826;
 
 /// A base that several cameras share, as a start for an adjustment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SharedPlace {
-    /// Position, rotation and lens. The 1-σ of its position is that of the median.
+    /// Position, rotation and lens. Its 1-σ contains the errors that the members have in common.
     pub base: CameraBase,
     /// The cameras that share it, by their indices, ascending.
     pub members: Vec<usize>,
@@ -137,12 +152,17 @@ fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Op
         members = of_place;
     }
     let of_place: Vec<&PtzCamera> = members.iter().map(|index| &cameras[*index]).collect();
+    let lens = SharedLens::from_cameras(&of_place)?;
+    // The median of n positions is less exact than their mean by a factor of about 1.25.
+    let of_median_m = scatter_m * (1.25 / (members.len() as f64).sqrt());
+    let level = Angle::from_degrees(LEVEL_DEG).radians();
     let base = CameraBase {
-        distortion: shared_lens(&of_place)?,
-        // The median of n positions is less exact than their mean by a factor of about 1.25.
+        distortion: lens.curve,
         sigma: BaseSigma {
-            position_m: scatter_m * (1.25 / (members.len() as f64).sqrt()),
-            ..BaseSigma::default()
+            position_m: of_median_m.map(|sigma_m| sigma_m.hypot(COMMON_M)),
+            // Each camera is levelled to its own position, so that their rotations err alike, too.
+            rotation: Vec3::new(level, level, 0.0),
+            ..lens.sigma()
         },
         ..CameraBase::new(
             middle,
@@ -179,42 +199,119 @@ fn median_of(cameras: &[&PtzCamera], number: impl Fn(&PtzCamera) -> f64) -> Opti
     median(&mut numbers)
 }
 
-/// The lens: k₁ linear in the focal length, by the median of the slopes between cameras of short
-/// and of long focal length (Theil and Sen), and the median ratio of k₂ to k₁².
-fn shared_lens(cameras: &[&PtzCamera]) -> Option<FocalCurve> {
-    let mut by_focal: Vec<[f64; 2]> = cameras
-        .iter()
-        .map(|camera| [camera.ptz().focal_px, camera.k1()])
-        .collect();
-    by_focal.sort_by(|one, other| one[0].total_cmp(&other[0]));
-    // Each camera is paired with the one half of all cameras further on, so that focal lengths
-    // differ as much as they do in the clip.
-    let (short, long) = by_focal.split_at(by_focal.len() / 2);
-    let mut slopes: Vec<f64> = short
-        .iter()
-        .zip(long)
-        .map(|([short_px, short_k1], [long_px, long_k1])| {
-            (long_k1 - short_k1) / (long_px - short_px)
+/// A lens with the 1-σ of its value and of its slope.
+struct SharedLens {
+    curve: FocalCurve,
+    k1_sigma: f64,
+    per_1000_px_sigma: f64,
+}
+
+impl SharedLens {
+    /// The lens: k₁ linear in the focal length, by the median of the slopes between cameras of
+    /// short and of long focal length (Theil and Sen), and k₂ as a multiple of k₁².
+    ///
+    /// Each of the three is a quotient. Where the focal length rests, or k₁ is near zero, its
+    /// denominator vanishes, and the quotient is noise of any size. So each is weighed by its own σ
+    /// against a prior ([`shrink`]).
+    fn from_cameras(cameras: &[&PtzCamera]) -> Option<Self> {
+        let mut by_focal: Vec<[f64; 2]> = cameras
+            .iter()
+            .map(|camera| [camera.ptz().focal_px, camera.k1()])
+            .collect();
+        by_focal.sort_by(|one, other| one[0].total_cmp(&other[0]));
+        // Each camera is paired with the one half of all cameras further on, so that focal lengths
+        // differ as much as they do in the clip.
+        let (short, long) = by_focal.split_at(by_focal.len() / 2);
+        let pairs = short.iter().zip(long);
+        let (mut apart_px, mut slopes): (Vec<f64>, Vec<f64>) = pairs
+            .map(|([short_px, short_k1], [long_px, long_k1])| {
+                let apart_px = long_px - short_px;
+                (apart_px, (long_k1 - short_k1) / apart_px)
+            })
+            .unzip();
+        slopes.retain(|per_px| per_px.is_finite());
+        let steepest = median(&mut slopes).unwrap_or(0.0);
+        let at_focal_px = median_of(cameras, |camera| camera.ptz().focal_px)?;
+        // The scatter of k₁ about that line, and the spread of the focal lengths, give the σ of the
+        // slope as in a linear regression. The spread is half of how far apart pairs are: one
+        // camera of another focal length does not determine a slope.
+        let root = (cameras.len() as f64).sqrt();
+        let mut beside: Vec<f64> = by_focal
+            .iter()
+            .map(|[focal_px, k1]| k1 - steepest * (focal_px - at_focal_px))
+            .collect();
+        let (_, scatter) = middle_and_sigma(&mut beside)?;
+        let k1_sigma = scatter.max(K1_DIGITS) * 1.25 / root;
+        let spread_px = median(&mut apart_px)? / 2.0;
+        let prior = SLOPE_BY_LOG_FOCAL / at_focal_px;
+        let (per_px, per_px_sigma) = shrink(steepest, k1_sigma / spread_px, prior);
+        // The value at the median focal length, by the median of all k₁ moved there along the
+        // slope.
+        let value = median_of(cameras, |camera| {
+            camera.k1() - per_px * (camera.ptz().focal_px - at_focal_px)
+        })?;
+        let (value, k1_sigma) = shrink(value, k1_sigma, K1_SIGMA);
+        Some(Self {
+            curve: FocalCurve {
+                at_focal_px,
+                value,
+                per_1000_px: 1000.0 * per_px,
+                k2_per_k1_squared: k2_per_k1_squared(cameras),
+            },
+            k1_sigma,
+            per_1000_px_sigma: 1000.0 * per_px_sigma,
         })
-        .filter(|per_px| per_px.is_finite())
-        .collect();
-    let mut ratios: Vec<f64> = cameras
+    }
+
+    /// The 1-σ of a base's lens. Cameras that state none are those of a lens without distortion.
+    fn sigma(&self) -> BaseSigma {
+        if self.curve.value == 0.0 && self.curve.per_1000_px == 0.0 {
+            return BaseSigma::default();
+        }
+        BaseSigma {
+            k1: self.k1_sigma,
+            k1_per_1000_px: self.per_1000_px_sigma,
+            ..BaseSigma::default()
+        }
+    }
+}
+
+/// A measured number and its σ, given that it is 0 ± `prior`. A number of infinite σ, or none, is
+/// that of the prior.
+fn shrink(measured: f64, sigma: f64, prior: f64) -> (f64, f64) {
+    if !(sigma.is_finite() && measured.is_finite()) {
+        return (0.0, prior);
+    }
+    let share = prior.powi(2) / (prior.powi(2) + sigma.powi(2));
+    (share * measured, share.sqrt() * sigma)
+}
+
+/// The ratio of k₂ to k₁²: the slope of the line through the origin with the least sum of absolute
+/// deviations, which is the median of the ratios weighted by k₁².
+fn k2_per_k1_squared(cameras: &[&PtzCamera]) -> f64 {
+    let mut ratios: Vec<[f64; 2]> = cameras
         .iter()
-        .map(|camera| camera.lens().k2 / camera.k1().powi(2))
+        .map(|camera| [camera.lens().k2 / camera.k1().powi(2), camera.k1().powi(2)])
+        .filter(|[ratio, _]| ratio.is_finite())
         .collect();
-    ratios.retain(|ratio| ratio.is_finite());
-    // The value at the median focal length, by the median of all k₁ moved there along the slope.
-    let at_focal_px = median_of(cameras, |camera| camera.ptz().focal_px)?;
-    let per_1000_px = 1000.0 * median(&mut slopes).unwrap_or(0.0);
-    let value = median_of(cameras, |camera| {
-        camera.k1() - per_1000_px / 1000.0 * (camera.ptz().focal_px - at_focal_px)
-    })?;
-    Some(FocalCurve {
-        at_focal_px,
-        value,
-        per_1000_px,
-        k2_per_k1_squared: median(&mut ratios).unwrap_or(0.0),
-    })
+    ratios.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    let half = ratios.iter().map(|[_, weight]| weight).sum::<f64>() / 2.0;
+    let mut below = 0.0;
+    let middle = ratios.iter().find(|[_, weight]| {
+        below += weight;
+        below >= half
+    });
+    let Some([ratio, _]) = middle else {
+        return 0.0;
+    };
+    let mut beside: Vec<f64> = cameras
+        .iter()
+        .map(|camera| (camera.lens().k2 - ratio * camera.k1().powi(2)).abs())
+        .collect();
+    let scatter = SIGMA_OVER_MAD * median(&mut beside).unwrap_or(0.0);
+    let squares = cameras.iter().map(|camera| camera.k1().powi(4));
+    let sigma = scatter.max(K1_DIGITS) / squares.sum::<f64>().sqrt();
+    shrink(*ratio, sigma, K2_RATIO_SIGMA).0
 }
 
 /// The direction upwards (`world`, of unit length) that is most nearly perpendicular to the x axes
@@ -373,6 +470,66 @@ mod tests {
             assert!((found.k1 - exact.k1).abs() < 1e-12, "{found:?} {exact:?}");
             assert!((found.k2 - exact.k2).abs() < 1e-12, "{found:?} {exact:?}");
         }
+    }
+
+    #[test]
+    fn noise_of_k1_gives_no_lens_that_follows_a_resting_focal_length() {
+        for seed in 1..=4 {
+            for focal_noise_px in [0.0, 0.3, 3.0, 30.0] {
+                let mut noise = Pcg64Mcg::seed_from_u64(seed);
+                let mut normal = || noise.sample::<f64, _>(StandardNormal);
+                let mut one = |step: i32| {
+                    let lens = FocalCurve {
+                        k2_per_k1_squared: 0.01 * normal() / 0.1f64.powi(2),
+                        ..FocalCurve::constant(0.1 + 0.01 * normal())
+                    };
+                    let base = CameraBase {
+                        distortion: lens,
+                        ..CameraBase::new(
+                            PLACE,
+                            BaseAngles::default().base_from_world(),
+                            ImagePoint::new(960.0, 540.0),
+                        )
+                    };
+                    let focal_px = 3000.0 + focal_noise_px * normal();
+                    PtzCamera::new(
+                        base,
+                        Ptz::from_degrees(f64::from(step) / 5.0, -11.0, focal_px),
+                    )
+                };
+                let mut cameras: Vec<PtzCamera> = (-50..50).map(&mut one).collect();
+                // One camera of another focal length is no line.
+                let mut far = one(3);
+                far = PtzCamera::new(*far.base(), Ptz::from_degrees(0.0, -11.0, 5000.0));
+                cameras.push(far);
+                let base = shared_places(&cameras)[0].base;
+                let lens = base.distortion;
+                let context = format!("seed {seed}, f ± {focal_noise_px} px: {lens:?}");
+                assert!(lens.per_1000_px.abs() < 0.1, "{context}");
+                assert!((lens.value - 0.1).abs() < 0.005, "{context}");
+                assert!(lens.k2_per_k1_squared.abs() < 1.0, "{context}");
+                // What is not known of the slope is stated.
+                let sigma = base.sigma.k1_per_1000_px;
+                assert!(lens.per_1000_px.abs() < 3.0 * sigma, "{context} ± {sigma}");
+                assert!(
+                    (0.01..0.1).contains(&sigma) || focal_noise_px > 3.0,
+                    "{context} ± {sigma}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn an_error_in_common_is_in_the_sigma_of_a_place_however_many_cameras_share_it() {
+        let mut noise = Pcg64Mcg::seed_from_u64(6);
+        let sigma = shared_places(&scattered(PLACE, 400, &mut noise))[0]
+            .base
+            .sigma;
+        assert!(sigma.position_m.min() >= 0.5, "{sigma:?}");
+        assert!(sigma.position_m.max() < 0.6, "{sigma:?}");
+        let lean_deg = sigma.rotation.map(f64::to_degrees);
+        assert!(lean_deg.xy().min() >= 0.499, "{lean_deg}");
+        assert_eq!(lean_deg.z, 0.0, "about the pan axis the gauge decides");
     }
 
     #[test]

@@ -2,10 +2,11 @@
 //! it.
 
 use crate::document::{
-    BetterName, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target,
+    BetterName, Document, Frame, FramePtz, ImportedCamera, Proposed, Solution, SolutionSource,
+    SolutionWarning, Target,
 };
 use touchline_core::camera::{Ptz, Radial};
-use touchline_core::solve::{FrameSolution, judge};
+use touchline_core::solve::{FrameSolution, Uncertainty, covariance_of_four_points, judge};
 
 /// This many equations determine a camera without a proposal.
 pub const ENOUGH_EQUATIONS: usize = 3;
@@ -40,6 +41,23 @@ impl Frame {
             extra,
             ..FramePtz::new(ptz, lens)
         });
+    }
+
+    /// Whether it has a camera of which neither a σ nor a probability is stated.
+    #[must_use]
+    pub fn is_uncertainty_unstated(&self) -> bool {
+        let is_stated = self.solution.as_ref().is_some_and(|known| {
+            known.covariance.is_some()
+                || known.worst_corner_sigma_px.is_some()
+                || known.confidence.is_some()
+        });
+        self.ptz.is_some() && !is_stated
+    }
+
+    /// Takes the record of the camera that another program gave it, which outlives the cameras that
+    /// replace each other until a person decides.
+    pub fn take_imported(&mut self) -> Option<ImportedCamera> {
+        self.solution.as_mut()?.imported.take()
     }
 
     /// Stores the result of a solve.
@@ -155,6 +173,32 @@ impl Frame {
             ..Solution::default()
         };
         true
+    }
+}
+
+impl Document {
+    /// States the σ of a frame's camera that is known like four points half-way to the corners, each
+    /// to `sigma_px` (px at 1920 px width); the uncertainty of its base is added.
+    pub fn state_uncertainty(&mut self, index: usize, sigma_px: f64) {
+        let Some(frame) = self.frames.get(index) else {
+            return;
+        };
+        let size = frame.image_size;
+        let Some(camera) = self.ptz_camera(frame) else {
+            return;
+        };
+        let own = covariance_of_four_points(&camera, size, sigma_px * size.scale_from_1920());
+        // A picture that shows too little determines no camera, and has no σ.
+        let Ok(known) = Uncertainty::from_covariance(&camera, own, size) else {
+            return;
+        };
+        let Some(frame) = self.frames.get_mut(index) else {
+            return;
+        };
+        let solution = frame.solution.get_or_insert_default();
+        solution.covariance = Some(known.ptz_covariance_deg());
+        solution.own_covariance = Some(known.own_covariance_deg());
+        solution.worst_corner_sigma_px = known.corner_sigma_px_if_known(&camera, size);
     }
 }
 

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, Radial};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use touchline_core::score::PlaneView;
-use touchline_core::solve::{PlanePoseError, pose_from_plane};
+use touchline_core::solve::{PlanePoseError, UNSTATED_PX, pose_from_plane};
 
 /// Frames whose centres of projection differ by at most this may share a camera, m.
 const SAME_PLACE_M: f64 = 1e-6;
@@ -119,6 +119,13 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             document
                 .frames
                 .push(document_frame(frame, camera, *size, ptz).into());
+        }
+    }
+    // What another program does not state is not known exactly.
+    for index in 0..document.frames.len() {
+        let frame = &document.frames[index];
+        if frame.status == FrameStatus::Suggested && frame.is_uncertainty_unstated() {
+            document.state_uncertainty(index, UNSTATED_PX);
         }
     }
     document

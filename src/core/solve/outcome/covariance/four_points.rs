@@ -6,6 +6,11 @@ use crate::camera::{CameraBase, FocalCurve, PtzCamera};
 use crate::geometry::{ImageSize, Mat3, Vec2, Vec3};
 use crate::solve::Observation;
 
+/// The accuracy assumed of a camera that states none: that of four points with this 1-σ
+/// ([`covariance_of_four_points`]), px at 1920 px width. Cameras from trained programs typically have
+/// errors of this size.
+pub const UNSTATED_PX: f64 = 4.0;
+
 /// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad,
 /// focal px).
 #[must_use]

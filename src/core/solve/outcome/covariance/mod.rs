@@ -22,7 +22,7 @@ use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use crate::solve::{Observation, PtzPrior, SolveError};
 use four_points::covariance_in_degrees;
-pub use four_points::{covariance_in_radians, covariance_of_four_points};
+pub use four_points::{UNSTATED_PX, covariance_in_radians, covariance_of_four_points};
 use nalgebra::{Matrix2x3, SMatrix};
 pub use overlay::CornerSigma;
 use overlay::all_over;
