@@ -6,6 +6,11 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{CameraId, Document, FrameStatus, Solution, SolutionSource};
 
+/// The confidence in a camera from all frames together where its own picture says nothing of it, and
+/// the most where that could not be aligned: it is never certain.
+const UNCONFIRMED: f64 = 0.5;
+const UNALIGNED_AT_MOST: f64 = 0.8;
+
 /// Writes the result of autocalibration into a document: base, size of the field, crown, and its
 /// frames as suggestions. References do not change. With several cameras, a field that changes
 /// becomes the camera's own.
@@ -36,6 +41,11 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Autocali
             worst_corner_sigma_px: known
                 .and_then(|known| known.corner_sigma_px_if_known(&camera, frame.image_size)),
             imported: frame.take_imported(),
+            confidence: Some(
+                of_found
+                    .unaligned_score
+                    .map_or(UNCONFIRMED, |score| score.min(UNALIGNED_AT_MOST)),
+            ),
             ..Solution::default()
         });
         // The frame's own picture takes precedence over the adjustment of all frames.
