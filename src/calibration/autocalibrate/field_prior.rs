@@ -200,7 +200,7 @@ impl FieldPrior {
         base: &CameraBase,
         ptz: &[Option<Ptz>],
         model: &BaseModel,
-        (image_width_px, options): (u32, &AdjustOptions),
+        (image_size, options): (ImageSize, &AdjustOptions),
     ) -> Option<(FieldModel, Vec<FittedSize>)> {
         let open = self.open.as_ref()?;
         let start = SizeStart {
@@ -209,7 +209,7 @@ impl FieldPrior {
             base,
             ptz,
             model,
-            image_width_px,
+            image_size,
             options,
         };
         let resize = |values: &[f64]| self.resize(field, values);

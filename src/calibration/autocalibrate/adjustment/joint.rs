@@ -211,8 +211,15 @@ pub fn adjust_jointly(
         let Some(prior) = size_prior.filter(|_| SIZE_AFTER.contains(&round)) else {
             continue;
         };
-        let width = (size.width, &options);
-        let fitted = prior.fit_size(&at.field, &at.taken, &at.base, &at.ptz, &model, width);
+        let size_and_options = (size, &options);
+        let fitted = prior.fit_size(
+            &at.field,
+            &at.taken,
+            &at.base,
+            &at.ptz,
+            &model,
+            size_and_options,
+        );
         let Some((field, fitted)) = fitted else {
             continue;
         };
