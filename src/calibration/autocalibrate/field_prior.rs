@@ -3,6 +3,7 @@
 use crate::calibrate::OpenSize;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::geometry::ImageSize;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, BasePriors, FittedSize, FrameClicks, SizeParam, SizeStart,
     fit_field_size,
