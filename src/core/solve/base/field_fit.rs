@@ -15,7 +15,7 @@ use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
 use crate::camera::{CameraBase, Ptz};
 use crate::field::{Crown, FieldModel};
-use crate::geometry::Vec3;
+use crate::geometry::{ImageSize, Vec3};
 use crate::solve::{Observation, ObservedShape};
 use nalgebra::SMatrix;
 
@@ -116,8 +116,8 @@ pub struct SizeStart<'a> {
     pub ptz: &'a [Option<Ptz>],
     /// Which other parameters are free.
     pub model: &'a BaseModel,
-    /// The width of the picture, px; the priors scale with it.
-    pub image_width_px: u32,
+    /// The size of the pictures; the priors scale with it.
+    pub image_size: ImageSize,
     /// How to adjust.
     pub options: &'a AdjustOptions,
 }
@@ -148,7 +148,7 @@ pub fn fit_field_size(
         params,
         start,
     };
-    let shared = starting(start.field, start.base, start.image_width_px, start.model);
+    let shared = starting(start.field, start.base, start.image_size, start.model);
     let mut state = BundleState {
         shared,
         ptz: start.ptz.iter().flatten().copied().collect(),
@@ -266,7 +266,7 @@ impl SizeFit<'_> {
         let mut priors = start
             .options
             .priors
-            .for_model(start.model, start.image_width_px, &view);
+            .for_model(start.model, start.image_size, &view);
         priors.extend(
             self.params
                 .iter()
@@ -421,7 +421,7 @@ mod tests {
             base: &base,
             ptz: &ptz,
             model: &model,
-            image_width_px: SIZE.width,
+            image_size: SIZE,
             options: &AdjustOptions::default(),
         };
         fit_field_size(&sized, &params, &start).unwrap()
