@@ -159,4 +159,4 @@ pub(crate) use versions::common_base::common_base;
 pub(crate) use versions::graft::graft;
 pub use versions::merge::{Merged, merge};
 pub use versions::package::{restore_package, split_into_packages};
-pub use video_shots::{ShotsError, VideoShots};
+pub use video_shots::{FoundCuts, ShotsError, VideoShots};
