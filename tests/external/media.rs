@@ -571,6 +571,7 @@ fn cuts(path: &Path) -> FoundShots {
         video: "match.mp4".to_owned(),
         path: path.to_path_buf(),
         num_below: 0,
+        known: Vec::new(),
     };
     search
         .look(&mut FrameReader::new(), &Progress::default())

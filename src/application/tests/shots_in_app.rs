@@ -303,3 +303,42 @@ fn undo_takes_back_what_a_person_did_before_what_was_found_meanwhile() {
     undo(&mut app);
     assert_eq!(starts(&app), [0; 0]);
 }
+
+#[test]
+fn cuts_set_while_the_search_runs_stay_on_top_of_those_found() {
+    let (mut app, search) = open_document(document());
+    let cut_at = |app: &mut App, frame| {
+        app.update(Action::Navigate(Navigation::GoTo(frame)));
+        app.update(Action::Command(Command::AddCut));
+    };
+    cut_at(&mut app, 5);
+    cut_at(&mut app, 15);
+    app.update(Action::Command(Command::Undo));
+    let found = FoundShots {
+        last: FRAMES - 1,
+        cuts: vec![(10, ShotKind::Cut), (20, ShotKind::Cut)],
+    };
+    app.update(report_of(&search.unwrap(), Ok(found.clone())));
+    assert_eq!(starts(&app), [0, 5, 10, 20]);
+    app.update(Action::Command(Command::Redo));
+    assert_eq!(starts(&app), [0, 5, 10, 15, 20]);
+    for expected in [vec![0, 5, 10, 20], vec![0, 10, 20], vec![]] {
+        undo(&mut app);
+        assert_eq!(starts(&app), expected);
+    }
+    for expected in [vec![0, 10, 20], vec![0, 5, 10, 20], vec![0, 5, 10, 15, 20]] {
+        app.update(Action::Command(Command::Redo));
+        if starts(&app) != expected {
+            app.update(Action::Command(Command::Redo));
+        }
+        assert_eq!(starts(&app), expected);
+    }
+    // A search at the user's command: what is joined while it runs stays joined.
+    let effects = app.update(Action::Command(Command::FindShots));
+    let again = job_of::<ShotSearch>(&effects).unwrap();
+    app.update(Action::Navigate(Navigation::GoTo(11)));
+    app.update(Action::Command(Command::RemoveCut));
+    assert_eq!(starts(&app), [0, 5, 15, 20]);
+    app.update(report_of(&again, Ok(found)));
+    assert_eq!(starts(&app), [0, 5, 15, 20]);
+}

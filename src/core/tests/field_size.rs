@@ -152,7 +152,7 @@ fn fit(name: &str, along: (&[f64], f64), rng: &mut Pcg64Mcg) -> Vec<(FittedSize,
         base: &start.base,
         ptz: &start.ptz,
         model: &MODEL,
-        image_width_px: IMAGE.width,
+        image_size: IMAGE,
         options: &options,
     };
     let sized = |values_m: &[f64]| resize(template, &params, values_m);

@@ -162,4 +162,4 @@ pub use versions::merge::{Merged, merge};
 pub(crate) use versions::merge::{join_result, merge_newer};
 pub use versions::package::{restore_package, split_into_packages};
 pub use versions::restored::{OtherPictures, Restored};
-pub use video_shots::{ShotsError, VideoShots};
+pub use video_shots::{FoundCuts, ShotsError, VideoShots};

@@ -23,6 +23,20 @@ struct Start {
     clip: Clip,
 }
 
+/// The cuts that a search found in a video.
+#[derive(Clone, Copy, Debug)]
+pub struct FoundCuts<'a> {
+    /// The index of the video's last frame.
+    pub last: u64,
+    /// The first frame of every shot but the first, and how it was found.
+    pub cuts: &'a [(u64, ShotKind)],
+    /// The first frames of the shots that the document had when the search began.
+    pub known: &'a [u64],
+}
+
+/// A fade is at most this long, frames: a second at 25 Hz.
+const FADE_FRAMES: u64 = 25;
+
 /// Why a cut cannot be changed as wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
@@ -87,6 +101,59 @@ impl VideoShots {
             starts: starts.collect(),
             last,
         }
+    }
+
+    /// The shots of a video as a search found them, with what people have marked in the document
+    /// that it is written to: their cuts stay, and a cut of `known`, those of the time when the
+    /// search began, that they have removed or moved since does not come back.
+    #[must_use]
+    pub fn from_search(document: &Document, video: &str, found: FoundCuts<'_>) -> Self {
+        let marked = Self::from_document(document, video);
+        let marked_starts = marked.as_ref().map_or(&[][..], |marked| &marked.starts);
+        let is_start = |from: u64| marked_starts.iter().any(|start| start.from == from);
+        let mut by_hand: Vec<u64> = marked_starts
+            .iter()
+            .filter(|start| start.shot.kind == ShotKind::ByHand)
+            .map(|start| start.from)
+            .collect();
+        by_hand.sort_unstable();
+        // A fade has no exact frame: the one that a person chose within it stands for it.
+        let is_marked = |from: u64, kind: ShotKind| {
+            let within = if kind == ShotKind::Fade {
+                FADE_FRAMES
+            } else {
+                0
+            };
+            by_hand.iter().any(|cut| cut.abs_diff(from) <= within)
+        };
+        let is_removed = |from: u64| found.known.contains(&from) && !is_start(from);
+        let kept = found.cuts.iter().copied();
+        let cuts: Vec<(u64, ShotKind)> = kept
+            .filter(|(from, kind)| !is_marked(*from, *kind) && !is_removed(*from))
+            .chain(by_hand.iter().map(|from| (*from, ShotKind::ByHand)))
+            .collect();
+        let last = marked
+            .as_ref()
+            .map_or(found.last, |marked| found.last.max(marked.last));
+        let mut shots = Self::from_cuts(document, video, last, &cuts);
+        // A shot that begins where one of the document does is that shot; any other is a part of
+        // one, filmed by the same camera.
+        for start in &mut shots.starts {
+            let around = marked_starts.partition_point(|marked| marked.from <= start.from);
+            let Some(marked) = around.checked_sub(1).map(|at| &marked_starts[at]) else {
+                continue;
+            };
+            if marked.from == start.from {
+                let kind = start.shot.kind;
+                *start = marked.clone();
+                if start.shot.kind != ShotKind::ByHand {
+                    start.shot.kind = kind;
+                }
+            } else {
+                start.shot.camera.clone_from(&marked.shot.camera);
+            }
+        }
+        shots
     }
 
     /// The shots of a video that a document has; none where it has none.
@@ -435,6 +502,50 @@ mod tests {
         shots.remove(6).unwrap();
         shots.write(&mut document);
         assert_eq!(clips(&document).concat(), "111122222233");
+    }
+
+    #[test]
+    fn what_people_marked_stays_when_a_search_ends() {
+        let found = |known| FoundCuts {
+            last: 11,
+            cuts: &[(4, ShotKind::Cut), (8, ShotKind::Cut)],
+            known,
+        };
+        let mut document = document(&["a.mp4"], 1);
+        VideoShots::from_search(&document, "a.mp4", found(&[])).write(&mut document);
+        assert_eq!(clips(&document).concat(), "111122223333");
+        // Another search began; meanwhile one cut is added, one removed, one moved.
+        let mut shots = VideoShots::from_document(&document, "a.mp4").unwrap();
+        shots.add(&document, 2).unwrap();
+        shots.starts[1].shot.camera = Some("side".into());
+        shots.remove(4).unwrap();
+        shots.move_cut(8, 9).unwrap();
+        shots.write(&mut document);
+        let by_people = (spans(&document), clips(&document));
+        VideoShots::from_search(&document, "a.mp4", found(&[0, 4, 8])).write(&mut document);
+        assert_eq!((spans(&document), clips(&document)), by_people);
+        // A search that began after that finds what was removed before; it keeps what was added.
+        VideoShots::from_search(&document, "a.mp4", found(&[0, 2, 9])).write(&mut document);
+        let starts: Vec<_> = spans(&document).iter().map(|span| span.0).collect();
+        assert_eq!(starts, [0, 2, 4, 8, 9]);
+        assert_eq!(document.shots[2].camera, Some("side".into()));
+        assert_eq!(clips(&document).concat().len(), 12, "each frame has a shot");
+    }
+
+    #[test]
+    fn the_frame_that_a_person_chose_stands_for_a_fade() {
+        let mut document = document(&["a.mp4"], 1);
+        let mut shots = VideoShots::from_cuts(&document, "a.mp4", 11, &[]);
+        shots.add(&document, 7).unwrap();
+        shots.write(&mut document);
+        let found = FoundCuts {
+            last: 11,
+            cuts: &[(6, ShotKind::Cut), (8, ShotKind::Fade)],
+            known: &[],
+        };
+        VideoShots::from_search(&document, "a.mp4", found).write(&mut document);
+        let starts: Vec<_> = spans(&document).iter().map(|span| span.0).collect();
+        assert_eq!(starts, [0, 6, 7]);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{
-    Document, EditKind, Frame, FrameStatus, ShotKind, Step, VideoShots,
+    Document, EditKind, FoundCuts, Frame, FrameStatus, ShotKind, Step, VideoShots,
 };
 use touchline_vision::media::{FrameReader, FrameRef, FrameStream, MediaError};
 use touchline_vision::track::find_cuts;
@@ -24,6 +24,9 @@ pub struct ShotSearch {
     /// The number of steps that could be undone when the search began. The result is inserted into
     /// the history below the steps that the user makes while the search runs.
     pub num_below: usize,
+    /// The first frames of the shots that the video had when the search began: a cut among them
+    /// that the user removes while the search runs does not come back.
+    pub known: Vec<u64>,
 }
 
 /// The cuts of a video.
@@ -232,15 +235,21 @@ impl App {
     }
 
     fn begin_shot_search(&mut self, video: String, path: PathBuf) {
-        let num_below = self.open.as_ref().map_or(0, |open| open.history.num_done());
+        let Some(open) = &self.open else { return };
+        let shots = VideoShots::from_document(&open.document, &video);
+        let known = shots.map_or_else(Vec::new, |shots| {
+            shots.starts().map(|(from, _)| from).collect()
+        });
+        let num_below = open.history.num_done();
         self.start(ShotSearch {
             video,
             path,
             num_below,
+            known,
         });
     }
 
-    /// Writes the found shots into the document.
+    /// Writes the found shots into the document, beneath what the user has marked meanwhile.
     fn mark_found_shots(&mut self, search: &ShotSearch, found: &FoundShots) {
         let count = found.cuts.len() + 1;
         let name = if count == 1 {
@@ -252,11 +261,18 @@ impl App {
             return;
         }
         let Some(open) = &mut self.open else { return };
-        let shots = VideoShots::from_cuts(&open.document, &search.video, found.last, &found.cuts);
         let step = Step::on_document(name.clone());
+        let mark = |document: &mut Document| {
+            let found = FoundCuts {
+                last: found.last,
+                cuts: &found.cuts,
+                known: &search.known,
+            };
+            VideoShots::from_search(document, &search.video, found).write(document);
+        };
         // True: the shots went below the user's own steps in the history. They are then no step of
         // their own in the journal, and the document is written with its whole history.
-        if open.mark_shots(shots, step, search.num_below) {
+        if open.mark_shots(mark, step, search.num_below) {
             self.journal(&name, EditKind::NoStep);
             self.effects.push(Effect::WriteDocument);
         } else {

@@ -18,7 +18,6 @@ use touchline_core::field::{FieldError, FieldModel, Template};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{
     Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step,
-    VideoShots,
 };
 
 /// The document that is open.
@@ -343,12 +342,12 @@ impl OpenProject {
         }
     }
 
-    /// Writes the shots that a search found; `num_below` is the number of steps in the history when
-    /// it began. If the user made or undid steps since, the shots are inserted below those, the
-    /// whole history changes, and the result is true.
+    /// Writes the shots that a search found by `mark`; `num_below` is the number of steps in the
+    /// history when it began. If the user made or undid steps since, the shots are inserted below
+    /// those, the whole history changes, and the result is true.
     pub(in crate::app) fn mark_shots(
         &mut self,
-        shots: VideoShots,
+        mark: impl Fn(&mut Document),
         step: Step,
         num_below: usize,
     ) -> bool {
@@ -359,13 +358,14 @@ impl OpenProject {
             num_below < self.history.num_done() || self.history.next_redo().is_some();
         if !goes_beneath {
             self.history.begin(&before, step);
-            shots.write(&mut self.document);
+            mark(&mut self.document);
             self.commit();
             return false;
         }
-        shots.write(&mut self.document);
+        mark(&mut self.document);
         let after = self.project.edits_in(&self.document);
-        self.history.insert_shots(num_below, step, &before, &after);
+        self.history
+            .insert_shots(num_below, step, [&before, &after], mark);
         true
     }
 

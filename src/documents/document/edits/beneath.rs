@@ -18,15 +18,16 @@ impl History<Document> {
         }
     }
 
-    /// Inserts a step from `before` to `after` above the first `num_below` steps. Its changes are
-    /// applied to all later states, including undone ones. The step must only change the `clip` of
-    /// frames, in place, and the document's shots.
+    /// Inserts a step from `before` to `after` above the first `num_below` steps. `mark` applies it
+    /// to the later states, the undone ones included: to each by itself, so that what the user did
+    /// in it stays. The step must only change the `clip` of frames, in place, and the document's
+    /// shots.
     pub fn insert_shots(
         &mut self,
         num_below: usize,
         step: Step,
-        before: &Document,
-        after: &Document,
+        [before, after]: [&Document; 2],
+        mark: impl Fn(&mut Document),
     ) {
         let num_below = num_below.min(self.done.len());
         // The step starts from the state before the first step above it.
@@ -36,34 +37,41 @@ impl History<Document> {
             .map_or(before, |(_, state)| state)
             .clone();
         // States beneath the step keep their shots: undoing the step leads there. Undone states lie
-        // above the current one and have the shots, too.
-        let above = self.done.iter_mut().skip(num_below).map(|(_, state)| state);
-        for state in above.chain(self.undone.iter_mut().map(|(_, state)| state)) {
-            take_shots(state, before, after);
+        // above the current one and have the shots, too. In both directions from the current state,
+        // because neighbouring states share most of their frames.
+        let mut known = [before.clone(), after.clone()];
+        for (_, state) in self.done.iter_mut().skip(num_below).rev() {
+            known = mark_sharing(state, known, &mark);
+        }
+        known = [before.clone(), after.clone()];
+        for (_, state) in self.undone.iter_mut().rev() {
+            known = mark_sharing(state, known, &mark);
         }
         self.done.insert(num_below, (step, start));
     }
 }
 
-/// Applies the shots of `after` to a state. Frames shared with `before` are then shared with
-/// `after`.
-fn take_shots(state: &mut Document, before: &Document, after: &Document) {
-    state.shots.clone_from(&after.shots);
-    for position in 0..state.frames.len() {
-        let frame = &state.frames[position];
-        // Only frames with another shot are written to, so that all others stay shared between
-        // states.
-        let Some(marked) =
-            find_frame(after, position, frame).filter(|marked| marked.clip != frame.clip)
-        else {
-            continue;
-        };
-        if find_frame(before, position, frame).is_some_and(|known| known.is_same(frame)) {
-            state.frames[position] = marked.clone();
-        } else {
-            state.frames[position].clip.clone_from(&marked.clip);
+/// Applies the step to a state and returns the state before and after. A frame that it shares with
+/// a state that is `known` before and after the step is then shared with that one after it, too.
+fn mark_sharing(
+    state: &mut Document,
+    known: [Document; 2],
+    mark: &impl Fn(&mut Document),
+) -> [Document; 2] {
+    let before = state.clone();
+    mark(state);
+    for position in state.frames.differences(&before.frames) {
+        let frame = &before.frames[position];
+        let [known_before, known_after] =
+            [&known[0], &known[1]].map(|known| find_frame(known, position, frame));
+        if let Some((_, after)) = known_before
+            .zip(known_after)
+            .filter(|(before, after)| before.is_same(frame) && **after == state.frames[position])
+        {
+            state.frames[position] = after.clone();
         }
     }
+    [before, state.clone()]
 }
 
 /// A frame in another state; the same position is tried first.
@@ -110,20 +118,24 @@ mod tests {
         comment(&mut history, &mut document, 1, "undone");
         history.undo(&mut document);
         let before = document.clone();
-        document
-            .frames
-            .iter_mut()
-            .for_each(|frame| frame.clip = Some(Clip::Number(1)));
-        let ends = (ShotEnd::VideoFrame(0), ShotEnd::VideoFrame(1));
-        let extra = crate::document::Extra::new();
-        document.shots = vec![Shot {
-            from: ends.0,
-            to: ends.1,
-            camera: None,
-            kind: ShotKind::Cut,
-            extra,
-        }];
-        history.insert_shots(1, Step::on_document("Mark the shot"), &before, &document);
+        let mark = |document: &mut Document| {
+            for frame in document.frames.iter_mut() {
+                frame.clip = Some(Clip::Number(1));
+            }
+            document.shots = vec![Shot {
+                from: ShotEnd::VideoFrame(0),
+                to: ShotEnd::VideoFrame(1),
+                camera: None,
+                kind: ShotKind::Cut,
+                extra: crate::document::Extra::new(),
+            }];
+        };
+        mark(&mut document);
+        let step = Step::on_document("Mark the shot");
+        history.insert_shots(1, step, [&before, &document], mark);
+        let [(_, below), (_, above)] = [&history.done[1], &history.done[2]];
+        assert!(above.frames[0].is_same(&document.frames[0]), "one copy");
+        assert!(below.frames[0].is_same(&before.frames[0]));
         let mut undo = |document: &mut Document| history.undo(document).unwrap().name;
         assert_eq!(
             (undo(&mut document), comments(&document)),
