@@ -301,7 +301,7 @@ fn a_match_that_is_renamed_or_gets_a_camera_keeps_its_project() {
     collect("out: 1 project");
     assert!(!season.path("out/grey").exists());
 
-    // The season gets a camera for it: a project in which nobody has worked takes it.
+    // The season gets a camera for it: a project without work of a person takes it.
     let project = season.path("out/cup/project.json");
     let mut known = document(&project).relocate(&season.path("out/cup"), season.folder.path());
     let base = season.truth.cameras[0].base().unwrap();

@@ -6,7 +6,7 @@ use touchline_application::app::{
 };
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{
-    Camera, Clip, Document, Extra, FieldSpec, Frame, MaskSource, VideoFrame,
+    Camera, Clip, Document, FieldSpec, Frame, MaskSource, VideoFrame,
 };
 
 pub const BUG: PixelBox = PixelBox {
