@@ -279,6 +279,7 @@ mod tests {
         ));
         open.document.cameras.push(camera.into());
         for (index, frame) in open.document.frames.iter_mut().enumerate() {
+            frame.image = Some(format!("{index}.jpg"));
             frame.clip = Some(Clip::Number(1));
             frame.ptz = Some(FramePtz::new(
                 Ptz::from_degrees(index as f64, -9.0, 90.0),

@@ -162,8 +162,9 @@ mod tests {
             (2, 3.0),
             (2, 4.0),
         ];
-        for (clip, pan_deg) in still {
-            let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
+        for (number, (clip, pan_deg)) in still.into_iter().enumerate() {
+            let name = format!("{number}.jpg");
+            let mut frame = Frame::from_image(&name, "main".into(), SIZE);
             frame.clip = Some(Clip::Number(clip));
             frame.ptz = Some(FramePtz::new(
                 Ptz::from_degrees(pan_deg, -10.0, 1400.0),

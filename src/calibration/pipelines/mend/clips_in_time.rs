@@ -9,7 +9,7 @@ use crate::calibrate::{Disagreement, disagreement};
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::median;
-use touchline_documents::document::{Clip, Document, Frame, FramePtz, FrameStatus, Moment};
+use touchline_documents::document::{Document, Frame, FramePtz, FrameStatus};
 
 /// Frames farther apart than this are not compared, and no longer gap is filled, frames of the
 /// video. Within a second a camera may look elsewhere.
@@ -53,17 +53,16 @@ pub(super) struct Gap {
 impl ClipInTime {
     /// The clips among the frames of a document, by their names and their cameras.
     pub fn all(document: &Document) -> Vec<Self> {
-        let mut runs: BTreeMap<(Option<&Clip>, [&str; 2]), Vec<(usize, Moment<'_>)>> =
-            BTreeMap::new();
+        let mut runs = BTreeMap::<_, Vec<usize>>::new();
         for (index, frame) in document.frames.iter().enumerate() {
             if let Some(moment) = frame.moment() {
                 let key = (frame.clip.as_ref(), moment.run());
-                runs.entry(key).or_default().push((index, moment));
+                runs.entry(key).or_default().push(index);
             }
         }
-        let runs = runs.into_values().map(|mut run| {
-            run.sort_by_key(|(_, moment)| *moment);
-            run.into_iter().map(|(index, _)| index).collect()
+        let runs = runs.into_values().map(|mut frames| {
+            frames.sort_by_key(|index| document.frames[*index].moment());
+            frames
         });
         runs.filter_map(|frames| Self::from_run(document, frames))
             .collect()
@@ -144,8 +143,9 @@ fn take_out_of_line(document: &Document, solved: &mut Vec<usize>) -> Vec<(usize,
     while let Some((at, apart_px)) = farthest(&out) {
         taken.push((solved.remove(at), apart_px));
         out.remove(at);
-        for beside in at.saturating_sub(3)..solved.len().min(at + 3) {
-            out[beside] = out_of_line_px(document, solved, beside);
+        let (first, end) = (at.saturating_sub(3), at + 3);
+        for (beside, known) in out.iter_mut().enumerate().take(end).skip(first) {
+            *known = out_of_line_px(document, solved, beside);
         }
     }
     taken

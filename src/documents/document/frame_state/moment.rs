@@ -19,7 +19,7 @@ impl<'a> Moment<'a> {
     /// of another run.
     #[must_use]
     pub fn frames_to(&self, other: &Self) -> Option<f64> {
-        (self.run == other.run).then(|| other.number as f64 - self.number as f64)
+        (self.run == other.run).then_some(other.number as f64 - self.number as f64)
     }
 
     /// What names the run.

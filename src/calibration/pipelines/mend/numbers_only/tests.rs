@@ -188,7 +188,7 @@ fn a_camera_that_fits_no_place_is_left_to_a_person_as_it_came() {
     // mirrored place is that of another camera of the match.
     let mut frames: Vec<(String, Vec3, Ptz)> = (0..8)
         .map(|index| {
-            let ptz = Ptz::from_degrees(9.0 * index as f64 - 30.0, -9.0, 2400.0);
+            let ptz = Ptz::from_degrees(9.0 * f64::from(index) - 30.0, -9.0, 2400.0);
             (format!("{index}.jpg"), Vec3::new(36.0, -72.0, 14.0), ptz)
         })
         .collect();
