@@ -13,6 +13,9 @@ use crate::geometry::{Mat3, Vec2, Vec3};
 use nalgebra::{DMatrix, Matrix3, SMatrix};
 use serde::Serialize;
 
+/// The index of k₁ among the shared parameters ([`super::SHARED_PARAMETERS`]).
+const K1: usize = 5;
+
 /// 1-σ of the shared parameters, with their correlations; zero means exactly known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BaseSigma {
@@ -113,6 +116,32 @@ impl BaseSigma {
     #[must_use]
     pub fn with_error(&self, error: &SharedError) -> Self {
         self.with_covariance(&(self.covariance() + error * error.transpose()))
+    }
+
+    /// The same for a frame that uses a k₁ of its own, known to `k1`, in place of the shared lens,
+    /// whose error does not touch such a frame.
+    #[must_use]
+    pub fn with_own_k1(&self, k1: f64) -> Self {
+        let without = Self {
+            k1: 0.0,
+            k1_per_1000_px: 0.0,
+            ..*self
+        };
+        if k1 == 0.0 {
+            return without;
+        }
+        let mut error = SharedError::zeros();
+        error[K1] = k1;
+        without.with_error(&error)
+    }
+
+    /// The same for a frame that uses an exact principal point of its own.
+    #[must_use]
+    pub fn with_own_principal_point(&self) -> Self {
+        Self {
+            principal_point_px: Vec2::zeros(),
+            ..*self
+        }
     }
 
     /// The same with another covariance.

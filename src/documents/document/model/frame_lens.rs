@@ -74,6 +74,7 @@ impl FrameLens {
         CameraBase {
             principal_point: self.principal_point,
             distortion,
+            sigma: base.sigma.with_own_k1(0.0).with_own_principal_point(),
             ..*base
         }
     }
@@ -88,8 +89,8 @@ fn nonzero(value: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::document::{Camera, Frame};
-    use touchline_core::camera::{BaseAngles, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::camera::{BaseAngles, BaseSigma, Ptz};
+    use touchline_core::geometry::{ImageSize, Vec2, Vec3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -101,6 +102,13 @@ mod tests {
         let own = CameraBase::new(position_m, rotation, SIZE.centre());
         camera.set_base(&CameraBase {
             distortion: FocalCurve::constant(-0.1),
+            sigma: BaseSigma {
+                position_m: Vec3::new(0.2, 0.3, 0.1),
+                k1: 0.05,
+                k1_per_1000_px: 0.1,
+                principal_point_px: Vec2::new(40.0, 30.0),
+                ..BaseSigma::default()
+            },
             ..own
         });
         let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
@@ -116,6 +124,12 @@ mod tests {
             (base.position_m, base.principal_point),
             (position_m, ImagePoint::new(970.0, 520.0))
         );
+        // The error of the camera's lens is none of this frame's.
+        let position_alone = BaseSigma {
+            position_m: Vec3::new(0.2, 0.3, 0.1),
+            ..BaseSigma::default()
+        };
+        assert_eq!(base.sigma, position_alone);
         for focal_px in [2000.0, 3000.0] {
             let Radial { k1, k2 } = base.distortion.radial_at(focal_px);
             assert!(k1 == 0.2 && (k2 - 1.5).abs() < 1e-15, "{k1} {k2}");

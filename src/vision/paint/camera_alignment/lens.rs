@@ -97,7 +97,12 @@ pub(super) fn own_lens(
         // Newton step to the vertex of the parabola, at most one grid step.
         k1 = (values[best] + (-slope / curvature).clamp(-STEP, STEP)).clamp(-MOST, MOST);
         let ptz = refine_with_k1(&found, k1, &seen).ptz;
-        found = PtzCamera::new(with_k1(near.base(), k1), ptz);
+        let base = with_k1(near.base(), k1);
+        let base = CameraBase {
+            sigma: base.sigma.with_own_k1(sigma),
+            ..base
+        };
+        found = PtzCamera::new(base, ptz);
     }
     Ok(OwnLens {
         base: *found.base(),
