@@ -19,7 +19,12 @@ use touchline_vision::paint::{MarkingPixels, PixelContent};
 /// Paint lies on a line within this distance from its edge, px at 1920 px width.
 const WITHIN_PX: f64 = 4.0;
 
-/// A line is missing if at least [`ENOUGH`] of its samples, 8 px apart and summed over all frames,
+/// The distance of samples along a line, px at 1920 px width, and how far along it paint may lie
+/// from the nearest one.
+const SPACING_PX: f64 = 12.0;
+const ALONG_PX: f64 = 18.0;
+
+/// A line is missing if at least [`ENOUGH`] of its samples, [`SPACING_PX`] apart and summed over all frames,
 /// should be visible and less than the share [`MIN_OF_LINE`] is. A field of another size, or one
 /// that is shifted, explains most lines and leaves one out. Right answers on three real and four
 /// drawn matches saw 0.42 and more of each line; a wrong one saw none of some.
@@ -175,14 +180,14 @@ fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<usize> {
     (0..field.lines.len()).filter(is_missing).collect()
 }
 
-/// Samples of the field's lines in a camera's picture, 8 px apart.
+/// Samples of the field's lines in a camera's picture, [`SPACING_PX`] apart.
 fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<LineSample> {
     sample_lines(
         field,
         camera,
         size,
         &SampleOptions {
-            spacing_px: 8.0,
+            spacing_px: SPACING_PX * size.scale_from_1920(),
             border_px: 4.0,
         },
     )
@@ -268,18 +273,22 @@ impl Counts {
         const OF_LINE: usize = 6;
         let size = marking_pixels.size();
         let samples = samples_of(field, camera, size);
-        let within_px = WITHIN_PX * size.scale_from_1920();
-        // Hash the samples into cells of 8 px. Paint within 8 px of a sample is in the same cell or
-        // one of its eight neighbours.
-        let cell = |x: f64, y: f64| ((x / 8.0).floor() as i64, (y / 8.0).floor() as i64);
+        let [within_px, spacing_px, along_px] =
+            [WITHIN_PX, SPACING_PX, ALONG_PX].map(|px| px * size.scale_from_1920());
+        // Hash the samples into cells of their spacing. Paint within that of a sample is in the
+        // same cell or one of its eight neighbours.
+        let cell = |x: f64, y: f64| {
+            let [column, row] = [x, y].map(|px| (px / spacing_px).floor() as i64);
+            (column, row)
+        };
         let mut near: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
         for (index, sample) in samples.iter().enumerate() {
             near.entry(cell(sample.image.x, sample.image.y))
                 .or_default()
                 .push(index);
         }
-        // Paint is explained if it lies close to a sample across the line; along the line up to 12
-        // px are allowed, as samples are 8 px apart.
+        // Paint is explained if it lies close to a sample across the line; along the line one and a
+        // half times the spacing of samples is allowed.
         let on_line = |paint: &&PaintPoint| {
             let (column, row) = cell(paint.at.x, paint.at.y);
             let cells = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
@@ -290,7 +299,7 @@ impl Counts {
                     let off = paint.at.offset_from(samples[index].image);
                     off.dot(&samples[index].normal).abs()
                         <= within_px + 0.5 * samples[index].width_px
-                        && off.norm() <= 12.0
+                        && off.norm() <= along_px
                 })
         };
         // Both directions: paint on lines, and lines with paint.
