@@ -399,6 +399,9 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     if let Some(reason) = found.one_view() {
         messages.note(&format!("{name}: {reason}"));
     }
+    if let Some(aspect) = &found.pixel_aspect {
+        messages.note(&format!("{name}: {aspect}"));
+    }
     for click in &found.disputed {
         let error = click.error_px.map_or_else(
             || "behind the camera".to_owned(),

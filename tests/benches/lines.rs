@@ -75,6 +75,7 @@ fn solve(
         field,
         observations: points,
         image_size: SIZE,
+        principal_point: None,
     };
     camera_from_lines(&picture, options)
 }

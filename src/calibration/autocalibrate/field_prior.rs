@@ -3,6 +3,7 @@
 use crate::calibrate::OpenSize;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::geometry::ImageSize;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, BasePriors, FittedSize, FrameClicks, SizeParam, SizeStart,
     fit_field_size,
@@ -200,7 +201,7 @@ impl FieldPrior {
         base: &CameraBase,
         ptz: &[Option<Ptz>],
         model: &BaseModel,
-        (image_width_px, options): (u32, &AdjustOptions),
+        (image_size, options): (ImageSize, &AdjustOptions),
     ) -> Option<(FieldModel, Vec<FittedSize>)> {
         let open = self.open.as_ref()?;
         let start = SizeStart {
@@ -209,7 +210,7 @@ impl FieldPrior {
             base,
             ptz,
             model,
-            image_width_px,
+            image_size,
             options,
         };
         let resize = |values: &[f64]| self.resize(field, values);

@@ -139,10 +139,18 @@ impl ImageSize {
             && point.y <= f64::from(self.height)
     }
 
-    /// The factor from px at the reference width of 1920 px to px of this picture.
+    /// The width of the 16:9 picture that this one fits into, px. A picture that is narrower was cut
+    /// from a wider one, or taken by a camera that was turned: its pixels are as fine as those of a
+    /// 16:9 picture of its height, so tolerances and priors in px refer to that.
+    #[must_use]
+    pub fn reference_width_px(self) -> f64 {
+        f64::from(self.width).max(f64::from(self.height) * 16.0 / 9.0)
+    }
+
+    /// The factor from px of a 16:9 picture 1920 px wide to px of this picture.
     #[must_use]
     pub fn scale_from_1920(self) -> f64 {
-        f64::from(self.width) / 1920.0
+        self.reference_width_px() / 1920.0
     }
 }
 
@@ -197,5 +205,29 @@ impl PixelBox {
     #[must_use]
     pub const fn centre(&self) -> ImagePoint {
         ImagePoint::new(self.x + self.width / 2.0, self.y + self.height / 2.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_cut_from_a_wider_one_keeps_its_scale() {
+        for (width, height) in [
+            (1920, 1080),
+            (1280, 720),
+            (960, 540),
+            (854, 480),
+            (1280, 544),
+        ] {
+            let wide = ImageSize::new(width, height);
+            assert_eq!(wide.scale_from_1920(), f64::from(width) / 1920.0);
+            for cut in [height, height * 4 / 3, height * 9 / 16] {
+                let cut = ImageSize::new(cut, height);
+                let scale = f64::from(height) / 1080.0;
+                assert!((cut.scale_from_1920() - scale).abs() < 1e-12, "{cut:?}");
+            }
+        }
     }
 }

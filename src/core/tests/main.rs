@@ -13,9 +13,11 @@ mod seeded;
 
 mod bad_fields;
 mod base_truth;
+mod few_frames;
 mod fields;
 mod identity;
 mod lines_truth;
+mod picture_shapes;
 mod published_figures;
 mod trust;
 mod two_point_truth;

@@ -47,7 +47,7 @@ impl PoseOptions {
     pub(super) fn allows(&self, ptz: &Ptz, image_size: ImageSize) -> bool {
         match &self.ranges {
             Some(ranges) => ranges.contains(ptz),
-            None => PtzRanges::for_width(image_size.width).contains(ptz),
+            None => PtzRanges::for_size(image_size).contains(ptz),
         }
     }
 }

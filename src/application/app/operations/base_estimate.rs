@@ -421,6 +421,9 @@ fn describe(found: &EstimatedBase, hint: &str) -> String {
     let one_view = estimate
         .one_view()
         .map_or_else(String::new, |reason| format!(" But {reason}."));
+    let pixels = estimate
+        .pixel_aspect
+        .map_or_else(String::new, |aspect| format!(" But {aspect}."));
     let sizes: Vec<String> = found.sizes.iter().map(describe_size).collect();
     let sizes = if sizes.is_empty() {
         String::new()
@@ -432,7 +435,7 @@ fn describe(found: &EstimatedBase, hint: &str) -> String {
         .as_ref()
         .map_or_else(String::new, |on_paint| on_paint.seen.describe());
     format!(
-        "Base estimated from {}: median error {:.1} px{before}.{paint}{sizes}{one_view}",
+        "Base estimated from {}: median error {:.1} px{before}.{paint}{sizes}{one_view}{pixels}",
         pluralise(frames, "frame"),
         estimate.median_px
     )

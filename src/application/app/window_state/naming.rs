@@ -323,7 +323,7 @@ fn solve_with_second_point(
             .map(motion_from)
             .min_by(f64::total_cmp);
         OTHER_SHOTS_MOTION + least_motion.unwrap_or(f64::INFINITY)
-    } else if PtzRanges::for_width(scene.image_size.width).contains(&solved.ptz) {
+    } else if PtzRanges::for_size(scene.image_size).contains(&solved.ptz) {
         OTHER_SHOTS_MOTION + distance_from_broadcast_view(&solved.ptz, base, scene.image_size)
     } else {
         NO_EVIDENCE

@@ -211,8 +211,8 @@ pub fn adjust_jointly(
         let Some(prior) = size_prior.filter(|_| SIZE_AFTER.contains(&round)) else {
             continue;
         };
-        let width = (size.width, &options);
-        let fitted = prior.fit_size(&at.field, &at.taken, &at.base, &at.ptz, &model, width);
+        let measured = (size, &options);
+        let fitted = prior.fit_size(&at.field, &at.taken, &at.base, &at.ptz, &model, measured);
         let Some((field, fitted)) = fitted else {
             continue;
         };
@@ -468,9 +468,9 @@ mod tests {
         }
         let model = model(CrownModel::Fixed(long.crown_m));
         let options = options(Loss::Cauchy { c: 1.5 });
-        let width = (IMAGE_SIZE.width, &options);
+        let size = (IMAGE_SIZE, &options);
         let (field, sizes) = prior
-            .fit_size(&long, &at.taken, &at.base, &at.ptz, &model, width)
+            .fit_size(&long, &at.taken, &at.base, &at.ptz, &model, size)
             .unwrap();
         assert!(sizes[0].is_open, "{:?}", sizes[0]);
         assert!((field.length_m - 105.0).abs() < 0.5, "{} m", field.length_m);

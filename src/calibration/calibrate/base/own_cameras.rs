@@ -14,7 +14,7 @@ use std::path::Path;
 use thiserror::Error;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldError, FieldModel};
-use touchline_core::geometry::{ImageSize, subsample};
+use touchline_core::geometry::{ImagePoint, ImageSize, subsample};
 use touchline_core::progress::Progress;
 use touchline_core::solve::ObservationError;
 use touchline_core::solve::base::FrameClicks;
@@ -87,7 +87,7 @@ pub fn give_own_cameras(
     for some in open.chunks(AT_ONCE) {
         let solved = some.par_iter().map(|&index| {
             let frame = &given.frames[index];
-            let solved = solve_alone(frame, fields.for_frame(&given, frame));
+            let solved = solve_alone(&given, frame, fields.for_frame(&given, frame));
             progress.report(()).is_continue().then_some((index, solved))
         });
         let Some(solved) = solved.collect::<Option<Vec<_>>>() else {
@@ -114,6 +114,7 @@ pub(super) fn cameras_from_lines(
     field: &FieldModel,
     frames: &[FrameClicks],
     image_size: ImageSize,
+    principal_point: Option<ImagePoint>,
 ) -> Vec<PtzCamera> {
     // A start needs one good camera, and each takes 10 ms (`tests/benches/lines.md`), so some
     // frames suffice. Frames with fewer equations than four landmarks give are not tried.
@@ -129,6 +130,7 @@ pub(super) fn cameras_from_lines(
                 field,
                 observations: &frame.observations,
                 image_size,
+                principal_point,
             };
             let found = camera_from_lines(&picture, &FromLinesOptions::default());
             found.ok().map(|found| found.camera())
@@ -142,12 +144,17 @@ struct LineCameraFit {
     rms_px: f64,
 }
 
-fn solve_alone(frame: &Frame, field: &FieldModel) -> Result<LineCameraFit, OwnCameraError> {
+fn solve_alone(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+) -> Result<LineCameraFit, OwnCameraError> {
     let clicks = observations(frame, field)?;
     let picture = LinePicture {
         field,
         observations: &clicks,
         image_size: frame.image_size,
+        principal_point: document.stated_principal_point(frame),
     };
     let camera = camera_from_lines(&picture, &FromLinesOptions::default())?;
     let rms_px = rms_of_clicks_px(&clicks, &camera.camera()).unwrap_or(0.0);
@@ -245,8 +252,9 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
-    /// Two pictures of different cameras with their lines, and one with a single line.
-    fn three_pictures() -> (Document, Vec<PtzCamera>) {
+    /// Two pictures of different cameras with their lines, and one with a single line, of a stated
+    /// principal point.
+    fn three_pictures_about(principal_point: ImagePoint) -> (Document, Vec<PtzCamera>) {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let level = BaseAngles::default().base_from_world();
         let cameras = [
@@ -254,13 +262,17 @@ mod tests {
             ([-4.0, -80.0, 22.0], (24.0, -14.0, 2600.0)),
         ]
         .map(|(position_m, (pan_deg, tilt_deg, focal_px))| {
-            let base = CameraBase::new(Vec3::from(position_m), level, SIZE.centre());
+            let base = CameraBase::new(Vec3::from(position_m), level, principal_point);
             PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
         });
         let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
+        document.cameras.push(
+            Camera {
+                principal_point,
+                ..Camera::new("main".into(), SIZE)
+            }
+            .into(),
+        );
         for (number, camera) in cameras.iter().enumerate() {
             let mut frame = Frame::from_image(&format!("{number}.jpg"), "main".into(), SIZE);
             for line in annotated_lines(&field, camera, SIZE) {
@@ -274,6 +286,23 @@ mod tests {
         little.clicks = document.frames[0].clicks[..2].to_vec();
         document.frames.push(little.into());
         (document, cameras.to_vec())
+    }
+
+    fn three_pictures() -> (Document, Vec<PtzCamera>) {
+        three_pictures_about(SIZE.centre())
+    }
+
+    #[test]
+    fn a_stated_principal_point_is_kept() {
+        let stated = ImagePoint::new(300.0, 330.0);
+        let (mut document, cameras) = three_pictures_about(stated);
+        give_own_cameras(&mut document, Path::new("/"), &Progress::default()).unwrap();
+        for (frame, truth) in document.frames.iter().zip(&cameras) {
+            let base = document.camera_of(frame).unwrap().base().unwrap();
+            let off_m = (base.position_m - truth.base().position_m).norm();
+            assert_eq!(base.principal_point, stated);
+            assert!(off_m < 2.0, "{off_m} m");
+        }
     }
 
     #[test]

@@ -75,8 +75,7 @@ impl BaseProblem {
             base,
             ptz,
             model,
-            // Widths of pictures scale the priors of the lens, which are stated for 1920 px.
-            image_width_px: self.image_size.width,
+            image_size: self.image_size,
             options: &AdjustOptions::default(),
         };
         fit_field_size(

@@ -214,10 +214,10 @@ impl Test<'_> {
 
     /// The lens that a hypothesis adds.
     fn lens(&self, hypothesis: Hypothesis) -> Option<FocalCurve> {
-        let width_px = self.document.frames.first()?.image_size.width;
+        let size = self.document.frames.first()?.image_size;
         hypothesis
             .lacks_lens
-            .then(|| BasePriors::default().usual_lens(width_px))
+            .then(|| BasePriors::default().usual_lens(size))
     }
 
     /// Aligns the sample's frames from corrected cameras, each on the place of its shot.

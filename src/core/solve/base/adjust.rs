@@ -8,7 +8,7 @@ use super::shared_prior::{Expected, SharedPrior};
 use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, Prescribed};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
-use crate::geometry::{Angle, Mat3, Vec2, Vec3};
+use crate::geometry::{Angle, ImageSize, Mat3, Vec2, Vec3};
 use crate::solve::Loss;
 
 /// Priors of a broadcast camera. They are weak, and matter only where the clicks are few.
@@ -105,7 +105,7 @@ pub fn adjust_base(
     options: &AdjustOptions,
 ) -> AdjustedBase {
     let CameraClicks { field, frames, .. } = *clicks;
-    let image_width_px = clicks.image_size.width;
+    let image_size = clicks.image_size;
     // The equations of a frame without clicks would be singular.
     let start_ptz = cameras_with_clicks(frames, start_ptz);
     let clicks = frames.iter().map(|frame| {
@@ -122,15 +122,13 @@ pub fn adjust_base(
     // Minimise the robust cost of all clicks and the priors.
     let bundle = Bundle::<OF_BASE> {
         frames: clicks,
-        priors: options.priors.for_model(
-            model,
-            image_width_px,
-            &UsualView::from_frames(start, &ptz),
-        ),
+        priors: options
+            .priors
+            .for_model(model, image_size, &UsualView::from_frames(start, &ptz)),
         free: free_parameters(model),
         loss: options.loss,
     };
-    let shared = starting(field, start, image_width_px, model);
+    let shared = starting(field, start, image_size, model);
     let found = bundle.minimum(BundleState { shared, ptz }, options.max_iterations);
     let noise_scale = bundle.noise_scale(&found.state);
     let BundleState { shared, ptz } = &found.state;
@@ -142,11 +140,11 @@ pub fn adjust_base(
         field,
         noise_scale,
         prescribed: options.prescribed,
-        principal_point_px: options.priors.principal_point_px * per_1920(image_width_px),
+        principal_point_px: options.priors.principal_point_px * image_size.scale_from_1920(),
     };
     let view = UsualView::from_frames(start, ptz);
     let covariance = held.covariance(bundle, &|model| {
-        options.priors.for_model(model, image_width_px, &view)
+        options.priors.for_model(model, image_size, &view)
     });
 
     // Return to the pan gauge: the rotation that it takes out of the base is added to every pan.
@@ -182,12 +180,12 @@ pub(super) fn cameras_with_clicks(frames: &[FrameClicks], ptz: &[Option<Ptz>]) -
 pub(super) fn starting(
     field: &FieldModel,
     start: &CameraBase,
-    image_width_px: u32,
+    image_size: ImageSize,
     model: &BaseModel,
 ) -> Shared {
     // k₁ refers to a fixed focal length, so that value and slope have the same meaning for all
     // bases.
-    let at_focal_px = LENS_FOCAL_PX * per_1920(image_width_px);
+    let at_focal_px = LENS_FOCAL_PX * image_size.scale_from_1920();
     let value = start.distortion.at(at_focal_px);
     // What the model does not have starts, and stays, at zero.
     let distortion = match model.lens {
@@ -227,41 +225,51 @@ pub(super) fn starting(
 /// The focal length at which k₁ itself is a parameter, px of a frame 1920 px wide.
 const LENS_FOCAL_PX: f64 = 2000.0;
 
-/// The width of a picture as a multiple of the width to which the priors refer.
-fn per_1920(image_width_px: u32) -> f64 {
-    f64::from(image_width_px) / 1920.0
-}
-
-/// With fewer frames the principal point and the direction to the field cannot be separated from
-/// the position.
-pub(super) const PLACING_FRAMES: usize = 12;
-
 /// Where a camera usually looks: the direction and focal length that its priors refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solve) struct UsualView {
     /// From the camera to the middle of the field, seen from above: unit, `world` x and y.
     /// Operators level the head along and across this direction, wherever a single frame looks.
     pub along: Vec2,
+    /// 1-σ of that direction.
+    pub sigma: Angle,
     /// The geometric mean of the frames' focal lengths, px; none where the focal length of the
     /// priors is used.
     pub focal_px: Option<f64>,
 }
 
 impl UsualView {
-    /// The usual view of the frames of a base. Few frames do not locate a camera well enough to
-    /// know its direction to the field: then the camera is assumed on the main stand (looking along
-    /// `world` +y), at the focal length of the priors.
+    /// The usual view of the frames of a base. One frame with four landmarks gives the direction
+    /// from its camera to the field to a few degrees; the base's own sigma says how well.
     pub fn from_frames(base: &CameraBase, ptz: &[Ptz]) -> Self {
-        if ptz.len() < PLACING_FRAMES {
-            return Self {
-                along: Vec2::new(0.0, 1.0),
-                focal_px: None,
-            };
-        }
+        // The direction's error is that of the position across it, seen from the field's middle.
         let along = direction_to_field(base.position_m);
+        let across = Vec3::new(-along.y, along.x, 0.0);
+        let variance = across.dot(&(base.sigma.position_covariance() * across));
+        let sigma_rad = if variance.is_finite() {
+            variance.max(0.0).sqrt() / base.position_m.xy().norm().max(1.0)
+        } else {
+            f64::INFINITY
+        };
         let logs: f64 = ptz.iter().map(|ptz| ptz.focal_px.ln()).sum();
-        let focal_px = Some((logs / ptz.len() as f64).exp());
-        Self { along, focal_px }
+        Self {
+            along,
+            sigma: Angle::from_radians(sigma_rad),
+            focal_px: (!ptz.is_empty()).then(|| (logs / ptz.len() as f64).exp()),
+        }
+    }
+
+    /// 1-σ of the lean along and across the stated direction, where heads lean by `pitch` and
+    /// `roll` along and across the true one. A direction that is off by δ mixes the two: the
+    /// variance of each has the share sin² δ of the other's, whose mean over a Gaussian δ is
+    /// (1 − exp(−2σ²)) / 2.
+    fn lean_sigmas(&self, pitch: Angle, roll: Angle) -> [f64; 2] {
+        let mixed = 0.5 * (1.0 - (-2.0 * self.sigma.radians().powi(2)).exp());
+        let [pitch, roll] = [pitch, roll].map(|sigma| sigma.radians().powi(2));
+        [
+            (pitch + mixed * (roll - pitch)).sqrt(),
+            (roll + mixed * (pitch - roll)).sqrt(),
+        ]
     }
 }
 
@@ -274,10 +282,10 @@ pub(in crate::solve) fn direction_to_field(position_m: Vec3) -> Vec2 {
 }
 
 impl BasePriors {
-    /// The usual lens of broadcast cameras for pictures of a width: k₁ follows the focal length.
+    /// The usual lens of broadcast cameras for pictures of a size: k₁ follows the focal length.
     #[must_use]
-    pub fn usual_lens(&self, image_width_px: u32) -> FocalCurve {
-        let per_1920 = per_1920(image_width_px);
+    pub fn usual_lens(&self, image_size: ImageSize) -> FocalCurve {
+        let per_1920 = image_size.scale_from_1920();
         // k₁ is of normalised coordinates and has no unit of px; the focal lengths scale with the
         // width, and the slope per px of focal length with its inverse.
         FocalCurve {
@@ -295,13 +303,14 @@ impl BasePriors {
     pub(in crate::solve) fn for_model(
         &self,
         model: &BaseModel,
-        image_width_px: u32,
+        image_size: ImageSize,
         view: &UsualView,
     ) -> Vec<SharedPrior> {
-        let per_1920 = per_1920(image_width_px);
+        let per_1920 = image_size.scale_from_1920();
+        let [pitch, roll] = view.lean_sigmas(self.pitch, self.roll);
         let mut found = vec![
-            SharedPrior::new(Expected::Pitch(view.along), self.pitch.radians()),
-            SharedPrior::new(Expected::Roll(view.along), self.roll.radians()),
+            SharedPrior::new(Expected::Pitch(view.along), pitch),
+            SharedPrior::new(Expected::Roll(view.along), roll),
         ];
         if model.lens != LensModel::Pinhole {
             // A constant k₁ is that of the frames' mean focal length: evaluate the usual curve of

@@ -1,10 +1,11 @@
 //! From clicks to a base: start, adjustment, choice of the model. The result is checked and
 //! summarised in `summary.rs`.
 
-use super::adjust::{PLACING_FRAMES, adjust_base, cameras_with_clicks};
+use super::adjust::{adjust_base, cameras_with_clicks};
 use super::cross_validation::{CrossValidation, Errors, FOLDS, MIN_FRAMES};
 use super::model_choice::choose;
 use super::one_more::one_more_frame;
+use super::pixel_aspect::AspectTest;
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::summary::{BaseEstimate, ChosenFit, distances, frame_fit, summary};
@@ -16,6 +17,9 @@ use crate::camera::{CameraBase, Ptz};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, median};
 use crate::progress::Progress;
+
+/// With fewer frames the principal point cannot be separated from the position.
+const PLACING_FRAMES: usize = 12;
 
 /// The user's choices for an estimation.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,6 +151,7 @@ pub fn estimate_base(
     let (model, adjusted_ptz) = (fit.model, fit.adjusted.ptz.clone());
     let ptz = solve_all(&fit.adjusted.base, &frames, image_size);
     let mut estimate = summary(fit, &crowned, &frames, &ptz, image_size)?;
+    test_pixels(&mut estimate, clicks, &adjusted_ptz, &adjust);
     estimate.previous_median_px = previous_fit.map(|fit| fit.1);
 
     // With few frames, suggest the next one to click.
@@ -209,7 +214,25 @@ pub fn estimate_base_on_paint(
         .map(|(frame, ptz)| frame_fit(&estimate.base, frame, (*ptz)?))
         .collect();
     estimate.frames = fits;
+    let of_clicks = cameras_with_clicks(clicks.frames, &ptz);
+    test_pixels(&mut estimate, clicks, &of_clicks, &options.adjusting());
     Ok(estimate)
+}
+
+/// Tests by the clicks whether the pixels are square. Where they are not, says so and covers the
+/// error of the base.
+fn test_pixels(
+    estimate: &mut BaseEstimate,
+    clicks: &CameraClicks<'_>,
+    ptz: &[Option<Ptz>],
+    options: &AdjustOptions,
+) {
+    let test = AspectTest::new(clicks, &estimate.model, options);
+    if let Some((aspect, error)) = test.run(&estimate.base, ptz) {
+        estimate.pixel_aspect = Some(aspect);
+        estimate.base.sigma = estimate.base.sigma.with_error(&error);
+        estimate.position_covariance = estimate.base.sigma.position_covariance();
+    }
 }
 
 /// The errors of frames under a base that is not adjusted to them, at paint and at clicks. Each

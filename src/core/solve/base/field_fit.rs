@@ -16,7 +16,7 @@ use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
 use crate::camera::{CameraBase, Ptz};
 use crate::field::{Crown, FieldElement, FieldModel};
-use crate::geometry::Vec3;
+use crate::geometry::{ImageSize, Vec3};
 use crate::solve::{Observation, ObservedShape};
 
 /// A length of the field that may differ from the assumed value.
@@ -83,8 +83,8 @@ pub struct SizeStart<'a> {
     pub ptz: &'a [Option<Ptz>],
     /// Which other parameters are free.
     pub model: &'a BaseModel,
-    /// The width of the picture, px; the priors scale with it.
-    pub image_width_px: u32,
+    /// The size of the pictures; the priors scale with it.
+    pub image_size: ImageSize,
     /// How to adjust.
     pub options: &'a AdjustOptions,
 }
@@ -115,7 +115,7 @@ pub fn fit_field_size(
         params,
         start,
     };
-    let shared = starting(start.field, start.base, start.image_width_px, start.model);
+    let shared = starting(start.field, start.base, start.image_size, start.model);
     let mut state = BundleState {
         shared,
         ptz: start.ptz.iter().flatten().copied().collect(),
@@ -247,7 +247,7 @@ impl SizeFit<'_> {
         let mut priors = start
             .options
             .priors
-            .for_model(start.model, start.image_width_px, &view);
+            .for_model(start.model, start.image_size, &view);
         priors.extend(
             self.params
                 .iter()
@@ -435,7 +435,7 @@ mod tests {
             base: &base,
             ptz: &ptz,
             model: &model,
-            image_width_px: SIZE.width,
+            image_size: SIZE,
             options: &AdjustOptions::default(),
         };
         fit_field_size(&sized, &params, &start).unwrap()

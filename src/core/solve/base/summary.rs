@@ -3,7 +3,7 @@
 use super::disputes::{disputed_clicks, mirrored_frames};
 use super::{
     AdjustedBase, BaseError, BaseModel, DisputedClick, FrameClicks, MirroredFrame, ModelReason,
-    ModelScore, OneMoreFrame,
+    ModelScore, OneMoreFrame, PixelAspect,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -55,6 +55,10 @@ pub struct BaseEstimate {
     pub previous_median_px: Option<f64>,
     /// Where frames are few: the further frame that would reduce the uncertainty most.
     pub one_more_frame: Option<OneMoreFrame>,
+    /// The aspect of the pixels, where the clicks clearly fit pixels that are not square. The base
+    /// is that of square ones; its sigma contains the error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_aspect: Option<PixelAspect>,
     /// Clicks that contradict the others, without those of mirrored frames.
     pub disputed: Vec<DisputedClick>,
     /// Frames whose landmarks are named from the wrong side of the field.
@@ -168,6 +172,7 @@ pub(super) fn summary(
         p90_px: quantile_or_infinite(&errors, 0.9),
         previous_median_px: None,
         one_more_frame: None,
+        pixel_aspect: None,
         disputed,
         mirrored,
     })

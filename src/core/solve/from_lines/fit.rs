@@ -9,6 +9,7 @@ use super::starts::Start;
 use super::{FromLinesOptions, LinePicture};
 use crate::camera::{CameraBase, Ptz, PtzCamera, SharedCovariance};
 use crate::field::Crown;
+use crate::geometry::Angle;
 use crate::solve::base::adjust::{UsualView, direction_to_field};
 use crate::solve::base::base_click::BaseClick;
 use crate::solve::base::bundle::frame_equations;
@@ -61,7 +62,7 @@ pub(super) fn starting_state(
     // where it is free.
     let usual = &options.priors.base;
     let base = CameraBase {
-        distortion: usual.usual_lens(picture.image_size.width),
+        distortion: usual.usual_lens(picture.image_size),
         ..start.base
     };
     let height_m = options
@@ -94,22 +95,26 @@ impl PictureFit {
         let model = BaseModel {
             lens: LensModel::K1FocalK2,
             crown: options.crown(picture.field),
-            principal_point: Some(picture.image_size.centre()),
+            // A stated principal point is kept.
+            principal_point: picture
+                .principal_point
+                .is_none()
+                .then(|| picture.image_size.centre()),
         };
         // Without a usual focal length, because there is no other frame to take it from.
         let view = UsualView {
             along: direction_to_field(near.shared.base.position_m),
+            sigma: Angle::default(),
             focal_px: None,
         };
-        let width_px = picture.image_size.width;
         Self {
             clicks: observations
                 .iter()
                 .map(|observation| BaseClick::new(observation, on_field))
                 .collect(),
             place: priors.place(picture.field),
-            focal: priors.focal(width_px),
-            shared: priors.base.for_model(&model, width_px, &view),
+            focal: priors.focal(picture.image_size),
+            shared: priors.base.for_model(&model, picture.image_size, &view),
             free: free_parameters(&model),
             loss,
         }

@@ -76,7 +76,7 @@ use super::base::CrownModel;
 use super::{IdentityFinding, Observation, Uncertainty};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::ImageSize;
+use crate::geometry::{ImagePoint, ImageSize};
 use hypotheses::fit_picture;
 use renaming::correct_names;
 
@@ -89,6 +89,15 @@ pub struct LinePicture<'a> {
     pub observations: &'a [Observation],
     /// The size of the picture.
     pub image_size: ImageSize,
+    /// The principal point where it is stated, px; none: estimated, near the picture's middle.
+    pub principal_point: Option<ImagePoint>,
+}
+
+impl LinePicture<'_> {
+    /// The principal point with which the search starts, px.
+    fn nominal_principal_point(&self) -> ImagePoint {
+        self.principal_point.unwrap_or(self.image_size.centre())
+    }
 }
 
 /// How the camera of a picture is found.

@@ -27,6 +27,7 @@ const MIN_LINES: usize = 4;
 pub(super) fn camera_from_ground_lines(
     lines: &[DrawnLine],
     size: ImageSize,
+    principal_point: ImagePoint,
 ) -> Option<(CameraBase, Ptz)> {
     let ground: Vec<(Vec3, &DrawnLine)> = lines
         .iter()
@@ -36,7 +37,6 @@ pub(super) fn camera_from_ground_lines(
         return None;
     }
     // Both sides in units in which coordinates are about one, which conditions the equations.
-    let centre = size.centre();
     let half_width_px = 0.5 * f64::from(size.width);
     let unit_m = ground
         .iter()
@@ -49,7 +49,7 @@ pub(super) fn camera_from_ground_lines(
         // In the new unit the line's distance from the origin shrinks, its direction does not.
         let of_field = Vec3::new(of_field.x, of_field.y, of_field.z / unit_m);
         for point in &line.points {
-            let pixel = pixel_in_units(*point, centre, half_width_px);
+            let pixel = pixel_in_units(*point, principal_point, half_width_px);
             // ℓᵀ G p = Σ ℓ_i G_ij p_j: the coefficients are the products, in nalgebra's order of
             // columns, in which G is read back below.
             let products = of_field * pixel.transpose();
@@ -66,13 +66,14 @@ pub(super) fn camera_from_ground_lines(
         .iter()
         .flat_map(|(_, line)| &line.points)
         .map(|point| {
-            let on_ground = ground_from_image * pixel_in_units(*point, centre, half_width_px);
+            let on_ground =
+                ground_from_image * pixel_in_units(*point, principal_point, half_width_px);
             (on_ground.xy() / on_ground.z * unit_m, *point)
         })
         .filter(|(ground, _)| ground.iter().all(|x| x.is_finite()))
         .collect();
-    let pose = pose_from_plane(&pairs, centre).ok()?;
-    (pose.position_m.z > 0.0).then(|| split(&pose, centre))
+    let pose = pose_from_plane(&pairs, principal_point).ok()?;
+    (pose.position_m.z > 0.0).then(|| split(&pose, principal_point))
 }
 
 /// A pixel from the middle of the picture in halves of its width, homogeneous.
@@ -144,7 +145,7 @@ mod tests {
                         .push(Observation::from_line(&field, name, pixel, SIZE, click).unwrap());
                 }
             }
-            camera_from_ground_lines(&DrawnLine::group(&observations), SIZE)
+            camera_from_ground_lines(&DrawnLine::group(&observations), SIZE, SIZE.centre())
         };
         let area = ["near", "far", "front"].map(|side| format!("penalty_area_right_{side}"));
         let [near, far, front] = area.each_ref().map(String::as_str);

@@ -8,7 +8,7 @@
 
 use crate::camera::Ptz;
 use crate::field::{FieldElement, FieldModel};
-use crate::geometry::{Angle, Vec3};
+use crate::geometry::{Angle, ImageSize, Vec3};
 use crate::solve::Loss;
 use crate::solve::base::BasePriors;
 use crate::solve::base::parameters::{OF_BASE, Shared};
@@ -23,7 +23,7 @@ pub struct PicturePriors {
     /// Its 1-σ along each axis, m, on a field 68 m wide. Beyond two σ the cost grows with the
     /// logarithm of the distance, so that it forbids no place.
     pub sigma_position_m: Vec3,
-    /// The usual focal length, in widths of the picture.
+    /// The usual focal length, in widths of a 16:9 picture.
     pub focal_widths: f64,
     /// 1-σ of its logarithm.
     pub sigma_log_focal: f64,
@@ -63,10 +63,10 @@ impl PicturePriors {
         }
     }
 
-    /// The prior of the focal length in pictures of a width.
-    pub(super) fn focal(&self, image_width_px: u32) -> FocalPrior {
+    /// The prior of the focal length in pictures of a size.
+    pub(super) fn focal(&self, image_size: ImageSize) -> FocalPrior {
         FocalPrior {
-            focal_px: self.focal_widths * f64::from(image_width_px),
+            focal_px: self.focal_widths * image_size.reference_width_px(),
             sigma_log: self.sigma_log_focal,
         }
     }
@@ -193,7 +193,7 @@ mod tests {
         let place = priors.place(&field);
         check_derivatives(&place, |step, _| shared.apply_step(step)).unwrap();
         let ptz = Ptz::from_degrees(4.0, -12.0, 1900.0);
-        let focal = priors.focal(960);
+        let focal = priors.focal(ImageSize::new(960, 540));
         check_derivatives(&focal, |_, step| refine::apply_step(&ptz, step)).unwrap();
         let value = Residual::<1, OF_BASE, 3>::value(&focal, &ptz).unwrap()[0];
         assert!((focal.cost(1900.0) - (value / focal.sigma_log).powi(2)).abs() < 1e-12);

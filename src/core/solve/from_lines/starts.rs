@@ -50,13 +50,13 @@ pub(super) fn find_starts(
     ranking: &[Observation],
     priors: &PicturePriors,
 ) -> Vec<Start> {
-    let centre = picture.image_size.centre();
+    let centre = picture.nominal_principal_point();
     let ranking = Ranking {
         observations: ranking,
         place: priors.place(picture.field),
-        focal: priors.focal(picture.image_size.width),
+        focal: priors.focal(picture.image_size),
     };
-    let mut starts: Vec<Start> = camera_from_ground_lines(lines, picture.image_size)
+    let mut starts: Vec<Start> = camera_from_ground_lines(lines, picture.image_size, centre)
         .map(|(base, ptz)| ranking.rank(&base, ptz))
         .into_iter()
         .collect();

@@ -75,6 +75,7 @@ fn solve(
         field,
         observations,
         image_size: SIZE,
+        principal_point: None,
     };
     camera_from_lines(&picture, &FromLinesOptions::default())
 }

@@ -157,7 +157,7 @@ pub(super) fn state_uncertainty(
         ..state.ptz
     };
     let camera = PtzCamera::new(base, ptz);
-    let focal = options.priors.focal(picture.image_size.width);
+    let focal = options.priors.focal(picture.image_size);
     let uncertainty =
         Uncertainty::from_observations(&camera, &weighted, Some(&prior_of_focal(&focal, ptz)))
             .map_err(|_| FromLinesError::Undetermined)?;

@@ -37,7 +37,7 @@ impl SolveContext {
     pub fn new(image_size: ImageSize) -> Self {
         Self {
             image_size,
-            ranges: PtzRanges::for_width(image_size.width),
+            ranges: PtzRanges::for_size(image_size),
             neighbours: Vec::new(),
             motion: MotionPrior::default(),
             start: None,

@@ -1,7 +1,7 @@
 //! The plausible range of pan, tilt and focal length.
 
 use crate::camera::Ptz;
-use crate::geometry::{Angle, AngleRange};
+use crate::geometry::{Angle, AngleRange, ImageSize};
 use std::ops::RangeInclusive;
 
 /// The plausible range of pan, tilt and focal length of a camera.
@@ -16,15 +16,15 @@ pub struct PtzRanges {
 }
 
 impl PtzRanges {
-    /// Any pan, tilt from straight down to 20° up, fields of view from 1.5° to 90° of a frame this
-    /// wide.
+    /// Any pan, tilt from straight down to 20° up, fields of view from 1.5° of the 16:9 picture that
+    /// a frame is cut from to 90° along its own longer side.
     #[must_use]
-    pub fn for_width(width_px: u32) -> Self {
-        let width_px = f64::from(width_px);
+    pub fn for_size(size: ImageSize) -> Self {
+        let longer_px = f64::from(size.width.max(size.height));
         Self {
             pan: AngleRange::FULL,
             tilt: Angle::from_degrees(-90.0)..=Angle::from_degrees(20.0),
-            focal_px: 0.5 * width_px..=40.0 * width_px,
+            focal_px: 0.5 * longer_px..=40.0 * size.reference_width_px(),
         }
     }
 

@@ -278,6 +278,13 @@ impl Camera {
         }
     }
 
+    /// The principal point, px, where it is another than the middle of the picture, which stands
+    /// for an unknown one.
+    #[must_use]
+    pub fn stated_principal_point(&self) -> Option<ImagePoint> {
+        Some(self.principal_point).filter(|point| *point != self.image_size.centre())
+    }
+
     /// The lens by focal length, where the camera has a curve.
     #[must_use]
     pub fn curve(&self) -> Option<FocalCurve> {

@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::PixelBox;
+use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// The value of `format` in every document of this program.
 pub const FORMAT_NAME: &str = "touchline";
@@ -159,6 +159,14 @@ impl Document {
     #[must_use]
     pub fn camera_of(&self, frame: &Frame) -> Option<&Camera> {
         self.camera(&frame.camera)
+    }
+
+    /// The principal point of a frame that somebody stated, px: that of the frame's own lens, or
+    /// one of its camera other than the middle of the picture.
+    #[must_use]
+    pub fn stated_principal_point(&self, frame: &Frame) -> Option<ImagePoint> {
+        let own = frame.lens.as_ref().map(|lens| lens.principal_point);
+        own.or_else(|| self.camera_of(frame)?.stated_principal_point())
     }
 
     /// The field that a frame shows: its camera's own, else the document's.

@@ -190,7 +190,13 @@ impl BaseProblem {
         let own_cameras = if has_landmarks {
             Vec::new()
         } else {
-            cameras_from_lines(&self.field, &self.clicks, self.image_size)
+            cameras_from_lines(
+                &self.field,
+                &self.clicks,
+                self.image_size,
+                // Another than the middle is stated.
+                Some(self.principal_point).filter(|point| *point != self.image_size.centre()),
+            )
         };
         let clicks = CameraClicks {
             own_cameras: &own_cameras,
@@ -258,7 +264,8 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
         start: None,
     }];
     if frame.landmark_clicks() < LANDMARKS_ALONE {
-        return cameras_from_lines(field, &frames, frame.image_size).pop();
+        let principal_point = document.stated_principal_point(frame);
+        return cameras_from_lines(field, &frames, frame.image_size, principal_point).pop();
     }
     let (image_size, principal_point) = (frame.image_size, camera.principal_point);
     let clicks = CameraClicks {

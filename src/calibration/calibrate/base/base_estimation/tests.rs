@@ -37,6 +37,7 @@ fn estimate() -> BaseEstimate {
         p90_px: 1.0,
         previous_median_px: None,
         one_more_frame: None,
+        pixel_aspect: None,
         disputed: Vec::new(),
         mirrored: Vec::new(),
     }

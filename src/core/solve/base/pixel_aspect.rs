@@ -1,0 +1,241 @@
+//! Whether the clicks were made on pictures with square pixels.
+//!
+//! Pictures that were scaled to another proportion (to 640 × 640 for a network, from a video whose
+//! stated proportion was lost) still fit a camera of square pixels: seen from afar, a picture of a
+//! plane that is stretched upwards looks like one from farther up. The camera then stands too high
+//! by just the stretch, lines on the ground are right, and everything above the ground is wrong.
+//! Only perspective and points above the ground show it.
+//!
+//! The test is a profile of the adjustment's cost over the aspect, fy/fx: for each value the clicks
+//! are put back where they would be with square pixels, and the base is adjusted to them. Where the
+//! cost is clearly least at another aspect than one, the difference of the two bases is an error of
+//! the base that its covariance has to contain.
+
+use super::adjust::adjust_base;
+use super::{
+    AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel,
+    Prescribed,
+};
+use crate::camera::{CameraBase, Ptz, SHARED_PARAMETERS, SharedError};
+use crate::geometry::{ImagePoint, ImageSize, Vec2};
+use serde::Serialize;
+use std::fmt;
+
+/// A smaller deviation of the logarithm from zero is not reported: fields of another size than
+/// assumed look like that, and no usual scaling of pictures is so small.
+const LEAST: f64 = 0.06;
+
+/// The deviation has to be this many sigmas.
+const CLEAR_SIGMAS: f64 = 4.0;
+
+/// The step of the finite differences of the logarithm, and the longest step of the search.
+const DIFFERENCE: f64 = 0.04;
+const LONGEST: f64 = 0.2;
+
+/// Steps of the search at most; it ends when one is shorter than [`SHORT`].
+const MAX_STEPS: usize = 8;
+const SHORT: f64 = 0.01;
+
+/// The aspect of the pixels that the clicks fit best.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PixelAspect {
+    /// The focal length down the picture over that across it, fy/fx.
+    pub value: f64,
+    /// Its 1-σ.
+    pub sigma: f64,
+    /// The size of the pictures.
+    #[serde(skip)]
+    pub image_size: ImageSize,
+}
+
+impl PixelAspect {
+    /// The deviation from square pixels in sigmas.
+    #[must_use]
+    pub fn sigmas(&self) -> f64 {
+        self.value.ln().abs() * self.value / self.sigma
+    }
+
+    /// Whether the pixels are clearly not square.
+    pub(super) fn is_clear(&self) -> bool {
+        self.value.ln().abs() > LEAST && self.sigmas() > CLEAR_SIGMAS
+    }
+}
+
+impl fmt::Display for PixelAspect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ImageSize { width, height } = self.image_size;
+        let unscaled = f64::from(width) * self.value;
+        write!(
+            f,
+            "the clicks fit pixels that are {:.2} ± {:.2} times as wide as high, as if pictures of about {unscaled:.0} × {height} px had been scaled to {width} × {height}: the camera's height and all heights would be wrong by that factor, and are stated as uncertain. Take the pictures in their true proportion, or check the field's size",
+            self.value, self.sigma
+        )
+    }
+}
+
+/// A base fitted to clicks, which the test begins with.
+#[derive(Clone, Copy)]
+pub(super) struct AspectTest<'a> {
+    clicks: &'a CameraClicks<'a>,
+    model: BaseModel,
+    options: &'a AdjustOptions,
+}
+
+/// The base with other pixels.
+struct Trial {
+    log_aspect: f64,
+    adjusted: AdjustedBase,
+}
+
+impl<'a> AspectTest<'a> {
+    /// The test with all that may be free: a lens or a principal point that few clicks leave open
+    /// must not be taken for pixels that are not square.
+    pub fn new(
+        clicks: &'a CameraClicks<'a>,
+        chosen: &BaseModel,
+        options: &'a AdjustOptions,
+    ) -> Self {
+        let Prescribed {
+            lens,
+            crown,
+            principal_point,
+        } = options.prescribed;
+        let is_level = crown || !clicks.field.may_be_crowned();
+        Self {
+            clicks,
+            model: BaseModel {
+                lens: if lens {
+                    chosen.lens
+                } else {
+                    LensModel::K1FocalK2
+                },
+                crown: if is_level {
+                    chosen.crown
+                } else {
+                    CrownModel::Free
+                },
+                principal_point: (!principal_point).then_some(clicks.principal_point),
+            },
+            options,
+        }
+    }
+
+    /// The aspect that the clicks fit best and the error of the base that comes from having assumed
+    /// square pixels; none where they agree with these.
+    pub fn run(
+        &self,
+        base: &CameraBase,
+        ptz: &[Option<Ptz>],
+    ) -> Option<(PixelAspect, SharedError)> {
+        let used = ptz.iter().zip(self.clicks.frames);
+        let surplus: usize = used
+            .filter(|(ptz, _)| ptz.is_some())
+            .map(|(_, frame)| frame.equations().saturating_sub(3))
+            .sum();
+        // As many unknowns as a base has, and one.
+        if surplus <= SHARED_PARAMETERS {
+            return None;
+        }
+        // The same adjustment once more, from where it ended: the search compares costs, which have
+        // to be those of minima.
+        let square = self.adjust(0.0, 0.0, base, ptz);
+        let mut at = self.adjust(0.0, 0.0, &square.adjusted.base, &square.adjusted.ptz);
+        let mut sigma = f64::INFINITY;
+        for _ in 0..MAX_STEPS {
+            // Slope and curvature by central differences, and a Newton step; where the profile is
+            // not convex, as long a step downhill as is allowed.
+            let [less, more] = [-DIFFERENCE, DIFFERENCE].map(|by| self.beside(&at, by));
+            let [below, here, above] = [&less, &at, &more].map(|trial| trial.adjusted.cost);
+            let slope = (above - below) / (2.0 * DIFFERENCE);
+            let curvature = (above - 2.0 * here + below) / DIFFERENCE.powi(2);
+            let step = if curvature > 0.0 {
+                sigma = (2.0 * at.adjusted.noise_scale / curvature).sqrt();
+                -slope / curvature
+            } else {
+                -slope.signum() * LONGEST
+            };
+            if !step.is_finite() || step.abs() < SHORT {
+                break;
+            }
+            at = self.beside(&at, step.clamp(-LONGEST, LONGEST));
+        }
+        let gain = (square.adjusted.cost - at.adjusted.cost) / at.adjusted.noise_scale;
+        let value = at.log_aspect.exp();
+        let found = PixelAspect {
+            value,
+            // The parabola holds near the minimum alone: the whole gain of cost says how far the
+            // value is from one, too. The larger of both is the one to trust.
+            sigma: value * sigma.max(at.log_aspect.abs() / gain.max(1e-9).sqrt()),
+            image_size: self.clicks.image_size,
+        };
+        found.is_clear().then(|| {
+            (
+                found,
+                error_between(&at.adjusted.base, &square.adjusted.base),
+            )
+        })
+    }
+
+    /// The base at an aspect near that of a trial.
+    fn beside(&self, trial: &Trial, by: f64) -> Trial {
+        let AdjustedBase { base, ptz, .. } = &trial.adjusted;
+        self.adjust(trial.log_aspect + by, by, base, ptz)
+    }
+
+    /// The base adjusted to the clicks as they would be with square pixels. `by` is the change of
+    /// the logarithm since the start: the camera of a less stretched picture is lower, and looks
+    /// down less.
+    fn adjust(&self, log_aspect: f64, by: f64, base: &CameraBase, ptz: &[Option<Ptz>]) -> Trial {
+        // Wider by the root of the aspect and lower by as much: so a change of the aspect makes no
+        // residuals smaller as such.
+        let (wider, lower) = ((0.5 * log_aspect).exp(), (-by).exp());
+        let unscale = |at: ImagePoint| {
+            let off = at.offset_from(self.clicks.principal_point);
+            self.clicks
+                .principal_point
+                .translate(Vec2::new(off.x * wider, off.y / wider))
+        };
+        let frames: Vec<FrameClicks> = self
+            .clicks
+            .frames
+            .iter()
+            .map(|frame| {
+                let mut frame = frame.clone();
+                for click in &mut frame.observations {
+                    click.image = unscale(click.image);
+                }
+                frame
+            })
+            .collect();
+        let mut start = *base;
+        start.position_m.z *= lower;
+        let ptz: Vec<Option<Ptz>> = ptz
+            .iter()
+            .map(|ptz| {
+                ptz.map(|ptz| Ptz {
+                    tilt: ptz.tilt * lower,
+                    focal_px: ptz.focal_px * (0.5 * by).exp(),
+                    ..ptz
+                })
+            })
+            .collect();
+        let clicks = CameraClicks {
+            frames: &frames,
+            ..*self.clicks
+        };
+        Trial {
+            log_aspect,
+            adjusted: adjust_base(&clicks, &start, &ptz, &self.model, self.options),
+        }
+    }
+}
+
+/// How far one base is from another, in position and rotation.
+fn error_between(one: &CameraBase, other: &CameraBase) -> SharedError {
+    let moved_m = one.position_m - other.position_m;
+    let turned = one.rotation_from(other);
+    let mut error = SharedError::zeros();
+    error.fixed_rows_mut::<3>(0).copy_from(&moved_m);
+    error.fixed_rows_mut::<2>(3).copy_from(&turned.xy());
+    error
+}
