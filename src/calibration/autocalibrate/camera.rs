@@ -136,6 +136,17 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The matched frames with the principal point that the document states of the camera.
+    fn with_principal_point(&self, matched: MatchedFrames) -> MatchedFrames {
+        let SearchedCamera {
+            document, camera, ..
+        } = self.searched;
+        match document.document.camera(camera) {
+            Some(camera) => matched.with_principal_point(camera.principal_point, camera.image_size),
+            None => matched,
+        }
+    }
+
     /// Returns the answer by a number of sampled frames, and adds those to `sampled` that are not
     /// among them yet. An even spread of twice as many frames includes all of the first.
     fn run_with(
@@ -146,7 +157,8 @@ impl<'a> Search<'a> {
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
         let matched = self
             .sample(self.choose_frames(max_sampled), sampled, picture)
-            .and_then(|()| MatchedFrames::from_sampled(sampled, self.progress));
+            .and_then(|()| MatchedFrames::from_sampled(sampled, self.progress))
+            .map(|matched| self.with_principal_point(matched));
         let (answer, matched) = match matched {
             Ok(matched) => (self.find(&matched, picture), Some(matched)),
             Err(stop) => (Err(stop), None),

@@ -135,6 +135,7 @@ pub fn matched_views() -> MatchedFrames {
         indices: (10..10 + num).collect(),
         others: Vec::new(),
         image_size: IMAGE_SIZE,
+        principal_point: IMAGE_SIZE.centre(),
         matches: exact_matches(),
         marking_pixels: vec![marking_pixels; num],
         masks: vec![Vec::new(); num],
@@ -148,7 +149,7 @@ pub fn frames_at_scale(field: &FieldModel) -> Arc<FramesAtScale> {
     let rotations = RelativeRotations {
         ptz,
         lens: FocalCurve::NONE,
-        image_size: IMAGE_SIZE,
+        principal_point: IMAGE_SIZE.centre(),
         residual_px: 0.3,
     };
     Arc::new(FramesAtScale {

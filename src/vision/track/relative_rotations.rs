@@ -9,7 +9,7 @@ use super::edge_problem::{EdgeProblem, EdgeState, Freedom, residual_px};
 use super::start::{steps, views};
 use super::{TrackError, ViewGraphEdge};
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_core::solve::{Equations, Loss, Stopping, minimise};
 
 /// The lens prior, and options of the adjustment.
@@ -27,6 +27,8 @@ pub struct TurnOptions {
     ///
     /// The common scale of the focal lengths is what matches determine worst.
     pub focal_scale: f64,
+    /// The principal point of the frames, px; none: the middle of the picture. Default: none.
+    pub principal_point: Option<ImagePoint>,
 }
 
 impl Default for TurnOptions {
@@ -41,6 +43,7 @@ impl Default for TurnOptions {
             k1_sigma: 0.1,
             slope_sigma: 0.1,
             focal_scale: 1.0,
+            principal_point: None,
         }
     }
 }
@@ -52,8 +55,8 @@ pub struct RelativeRotations {
     pub ptz: Vec<Ptz>,
     /// k₁ as a function of the focal length, in px of these frames.
     pub lens: FocalCurve,
-    /// The size of the frames, px.
-    pub image_size: ImageSize,
+    /// The principal point of the frames, px.
+    pub principal_point: ImagePoint,
     /// The median residual of the matches, px at 1920 px width.
     pub residual_px: f64,
 }
@@ -65,7 +68,7 @@ impl RelativeRotations {
         let level = BaseAngles::default().base_from_world();
         let base = CameraBase {
             distortion: self.lens,
-            ..CameraBase::new(Vec3::zeros(), level, self.image_size.centre())
+            ..CameraBase::new(Vec3::zeros(), level, self.principal_point)
         };
         PtzCamera::new(base, self.ptz[frame])
     }
@@ -91,8 +94,8 @@ pub fn adjust_rotations(
 ) -> Result<RelativeRotations, TrackError> {
     // A spanning tree of the view graph reaches every frame; otherwise the frames are not
     // connected.
-    let centre = image_size.centre();
-    let along = steps(count, edges, centre);
+    let principal_point = options.principal_point.unwrap_or(image_size.centre());
+    let along = steps(count, edges, principal_point);
     if count < 2 || along.len() < count {
         return Err(TrackError::TooFew {
             frames: count,
@@ -118,9 +121,9 @@ pub fn adjust_rotations(
     // 1. Self-calibration from matches has local minima in the focal length. Descend briefly from
     //    each start value and keep the one of least robust cost. There is always one.
     let descents = FOCAL_WIDTHS.iter().map(|widths| {
-        let focal_px = widths * f64::from(image_size.width);
+        let focal_px = widths * image_size.reference_width_px();
         let start = EdgeState {
-            views: views(count, &along, centre, focal_px),
+            views: views(count, &along, principal_point, focal_px),
             lens: expected,
         };
         minimise(&problem, start, stop_after(8))
@@ -161,7 +164,7 @@ pub fn adjust_rotations(
     Ok(RelativeRotations {
         ptz: state.ptz(),
         lens: state.lens,
-        image_size,
+        principal_point,
         residual_px,
     })
 }
@@ -187,7 +190,7 @@ pub(super) const fn stop_after(max_iterations: usize) -> Stopping {
 mod tests {
     use super::super::edge_residual::View;
     use super::*;
-    use touchline_core::geometry::{ImagePoint, Mat3};
+    use touchline_core::geometry::Mat3;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
     const LENS: FocalCurve = FocalCurve {
@@ -198,6 +201,10 @@ mod tests {
     };
 
     fn truth() -> RelativeRotations {
+        truth_about(SIZE.centre())
+    }
+
+    fn truth_about(principal_point: ImagePoint) -> RelativeRotations {
         let ptz = [
             (-24.0, -11.0, 1700.0),
             (-13.0, -13.0, 1850.0),
@@ -212,7 +219,7 @@ mod tests {
         RelativeRotations {
             ptz,
             lens: LENS,
-            image_size: SIZE,
+            principal_point,
             residual_px: 0.0,
         }
     }
@@ -294,6 +301,27 @@ mod tests {
             found.lens
         );
         assert!(found.residual_px < 0.05, "{}", found.residual_px);
+    }
+
+    #[test]
+    fn pictures_cut_off_centre_turn_about_their_stated_principal_point() {
+        let principal_point = ImagePoint::new(1300.0, 380.0);
+        let truth = truth_about(principal_point);
+        let adjusted = |stated: Option<ImagePoint>| {
+            let options = TurnOptions {
+                principal_point: stated,
+                ..TurnOptions::default()
+            };
+            adjust_rotations(6, &edges(&truth, 0.0), SIZE, &options).unwrap()
+        };
+        let found = adjusted(Some(principal_point));
+        assert_eq!(found.camera(0).base().principal_point, principal_point);
+        for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
+            let off = (found.focal_px / exact.focal_px - 1.0).abs();
+            assert!(off < 0.01, "{found:?} for {exact:?}");
+        }
+        let without = adjusted(None).residual_px;
+        assert!(without > 4.0 * found.residual_px, "{without} px");
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub struct MatchedFrames {
     pub others: Vec<usize>,
     /// Size of all their pictures.
     pub image_size: ImageSize,
+    /// Their principal point, px.
+    pub principal_point: ImagePoint,
     /// The edges of the view graph.
     pub matches: Vec<ViewGraphEdge>,
     /// The marking pixels of each frame.
@@ -119,6 +121,7 @@ impl MatchedFrames {
             indices: group.iter().map(|&frame| frames[frame].index).collect(),
             others: others.map(|frame| frames[frame].index).collect(),
             image_size: frames[group[0]].image_size(),
+            principal_point: frames[group[0]].image_size().centre(),
             matches: renumber_matches(matches, &group),
             marking_pixels: group
                 .iter()
@@ -129,6 +132,19 @@ impl MatchedFrames {
                 .map(|&frame| frames[frame].masks.clone())
                 .collect(),
         })
+    }
+
+    /// The same frames with the principal point that the document states for pictures of a size;
+    /// those of another size keep the middle.
+    pub fn with_principal_point(self, stated: ImagePoint, of_size: ImageSize) -> Self {
+        if self.image_size == of_size {
+            Self {
+                principal_point: stated,
+                ..self
+            }
+        } else {
+            self
+        }
     }
 
     /// The number within the group of a frame, from its index in the document.
@@ -161,6 +177,7 @@ impl MatchedFrames {
         let focal_scale = f64::from(focal_percent) / 100.0;
         let options = TurnOptions {
             focal_scale,
+            principal_point: Some(self.principal_point),
             ..TurnOptions::default()
         };
         // Rotations, zoom and lens from the matches, at this scale.

@@ -135,7 +135,7 @@ fn interpolate_rotations(
     RelativeRotations {
         ptz,
         lens,
-        image_size: from.image_size,
+        principal_point: from.principal_point,
         residual_px: interpolate(from.residual_px, to.residual_px, share),
     }
 }
@@ -158,13 +158,12 @@ mod tests {
             value: scale,
             ..FocalCurve::NONE
         };
-        let image_size = ImageSize::new(1280, 720);
         (
             percent,
             RelativeRotations {
                 ptz: vec![ptz(-20.0), ptz(20.0)],
                 lens,
-                image_size,
+                principal_point: ImageSize::new(1280, 720).centre(),
                 residual_px,
             },
         )

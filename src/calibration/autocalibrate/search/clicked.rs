@@ -185,7 +185,7 @@ mod tests {
                 Ptz::from_degrees(18.0, -9.0, 2600.0),
             ],
             lens: FocalCurve::NONE,
-            image_size: ImageSize::new(1920, 1080),
+            principal_point: ImageSize::new(1920, 1080).centre(),
             residual_px: 0.5,
         };
         let upright = PanoramaPose::upright(Vec3::new(12.0, -58.0, 9.0), Angle::from_degrees(-7.0));

@@ -72,10 +72,9 @@ impl PanoramaFit {
         // `base_from_panorama` is that of the default angles.
         let base_from_panorama = BaseAngles::default().base_from_world();
         let base_from_world = base_from_panorama * world_from_panorama.transpose();
-        let centre = self.rotations.image_size.centre();
         CameraBase {
             distortion: self.rotations.lens,
-            ..CameraBase::new(position_m, base_from_world, centre)
+            ..CameraBase::new(position_m, base_from_world, self.rotations.principal_point)
         }
     }
 }
@@ -216,7 +215,7 @@ mod tests {
             RelativeRotations {
                 ptz: views.map(ptz).collect(),
                 lens,
-                image_size: SIZE,
+                principal_point: SIZE.centre(),
                 residual_px,
             },
         )
