@@ -212,14 +212,7 @@ pub fn adjust_jointly(
             continue;
         };
         let measured = (size, &options);
-        let fitted = prior.fit_size(
-            &at.field,
-            &at.taken,
-            &at.base,
-            &at.ptz,
-            &model,
-            size_and_options,
-        );
+        let fitted = prior.fit_size(&at.field, &at.taken, &at.base, &at.ptz, &model, measured);
         let Some((field, fitted)) = fitted else {
             continue;
         };
