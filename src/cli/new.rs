@@ -5,14 +5,17 @@ use super::export::parse_finite;
 use crate::cli::terminal::document::refuse_unwritable;
 use crate::cli::terminal::messages::{Messages, count_steps};
 use crate::cli::terminal::output::{refuse_existing, refuse_file};
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, bail, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;
-use touchline_documents::document::{FieldSpec, document_from_frames};
-use touchline_documents::store::{Location, PROJECT_FILE, refuse_other_file, write_document};
+use touchline_documents::document::{
+    FieldSpec, FolderChanges, Frame, Step, document_from_frames, resolve_path,
+};
+use touchline_documents::store::{self, Access, Location, Opened, PROJECT_FILE, refuse_other_file, write_document};
 use touchline_vision::media::FrameSource;
 
-/// Makes a project from a folder of images or a video. The frames stay where they are.
+/// Makes a project from a folder of images or a video. The frames stay where they are. A project
+/// that was made of the folder before gets the images that came since.
 #[derive(clap::Args, Debug)]
 pub struct NewArgs {
     /// The project's folder; made if absent.
@@ -54,6 +57,9 @@ pub(super) fn parameter(text: &str) -> Result<(String, f64), String> {
 /// # Errors
 /// The project's folder exists, the field is invalid, or no frame can be read.
 pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    if let Some(outcome) = add_new_images(args, messages)? {
+        return Ok(outcome);
+    }
     refuse_existing(&args.folder, args.force)?;
     refuse_other_file(&args.folder.join(PROJECT_FILE))?;
     refuse_file(&args.folder, "the project")?;
@@ -90,6 +96,67 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
         pluralise(made.document.frames.len(), "frame")
     ));
     Ok(Outcome::from_failure(!made.left_out.is_empty()))
+}
+
+/// Adds the images that came to the folder since the project was made of it, where that is what the
+/// arguments name; nothing else of the project changes. None if they name something else.
+fn add_new_images(args: &NewArgs, messages: Messages) -> anyhow::Result<Option<Outcome>> {
+    let may_be_it = args.folder.join(PROJECT_FILE).is_file() && args.frames.is_dir();
+    if !may_be_it || args.force || args.every.get() > 1 {
+        return Ok(None);
+    }
+    let Opened {
+        location,
+        mut document,
+        mut history,
+        access,
+        recovery,
+    } = store::open(&args.folder)?;
+    let frames = resolve_path(&std::path::absolute(&args.frames)?);
+    let is_in_folder = |frame: &Frame| {
+        let image = frame.image_path(location.folder());
+        image.is_some_and(|image| resolve_path(&image).parent() == Some(&*frames))
+    };
+    let field = &document.field;
+    let is_of_folder = document.frames.iter().any(|frame| is_in_folder(frame));
+    let is_same_field = field.template == args.field
+        && args
+            .set
+            .iter()
+            .all(|(name, value)| field.params.get(name) == Some(value));
+    if !is_of_folder || !is_same_field {
+        return Ok(None);
+    }
+    messages.notes(recovery.message());
+    let bar = messages.progress(0, "Reading new images");
+    let changes = FolderChanges::find(&document, location.folder(), &count_steps(&bar));
+    bar.finish_and_clear();
+    for (name, error) in &changes.left_out {
+        messages.frame_failed(name, &error.to_string());
+    }
+    // A step of undo, for whoever opens the project in the window.
+    let before = document.without_suggestions();
+    let added = document.add_images(&changes);
+    if added > 0 {
+        let mut store = match access {
+            Access::Writable(store) => store,
+            Access::ReadOnly(reason) => bail!("{}: {reason}", location.file().display()),
+        };
+        history.begin(&before, Step::on_document("Add new images"));
+        history.commit(&document.without_suggestions());
+        store.save(&document, &history)?;
+    }
+    let gone = match changes.gone {
+        0 => String::new(),
+        gone => format!("; {} not in the folder any more", pluralise(gone, "image")),
+    };
+    messages.note(&format!(
+        "{}: {} added, {} in all{gone}",
+        location.file().display(),
+        pluralise(added, "new image"),
+        pluralise(document.frames.len(), "frame")
+    ));
+    Ok(Some(Outcome::from_failure(!changes.left_out.is_empty())))
 }
 
 /// The field that the arguments describe. The path of a template file, given relative to the

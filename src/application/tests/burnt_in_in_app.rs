@@ -14,7 +14,7 @@ use touchline_documents::document::{
     Camera, Document, Extra, FieldSpec, Frame, MaskSource, RangedMask,
 };
 
-fn found_mask(from: Option<u64>, to: Option<u64>) -> FoundMask {
+pub fn found_mask(from: Option<u64>, to: Option<u64>) -> FoundMask {
     let mask = RangedMask {
         pixel_box: BUG,
         from,

@@ -22,7 +22,7 @@ use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_documents::document::{Camera, Click, Document, FrameStatus, SolutionSource, Target};
 
 /// Frames of a camera of which nothing is known.
-fn unknown(frames: usize) -> Document {
+pub fn unknown(frames: usize) -> Document {
     let mut document = blank(frames);
     let camera = &mut document.cameras[0];
     (camera.position_m, camera.base_from_world) = (None, None);
@@ -36,7 +36,7 @@ fn ptz(frame: usize) -> Ptz {
 
 /// The camera of the drawn truth moved sideways, over a flat field as the truth, found from all but
 /// the last frame.
-fn found_camera(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
+pub fn found_camera(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
     let known = base();
     let sigma = BaseSigma {
         position_m: Vec3::new(0.3, 0.4, 0.0),
@@ -309,7 +309,7 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
 }
 
 /// Two cameras of five frames 30 m apart, between which one click decides.
-fn two_cameras() -> AutocalibrationAnswer {
+pub fn two_cameras() -> AutocalibrationAnswer {
     let deciding = DecidingLandmark {
         frame: 3,
         landmark: "halfway_far".into(),

@@ -522,7 +522,7 @@ fn marks_in(app: &App) -> BTreeSet<String> {
 }
 
 /// Copies the files of a folder as they are at one moment, as a kill leaves them.
-fn copy_files(from: &Path, to: &Path) {
+pub fn copy_files(from: &Path, to: &Path) {
     let mut before = contents(from);
     loop {
         let now = contents(from);

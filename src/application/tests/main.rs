@@ -40,4 +40,6 @@ mod session;
 mod shots_in_app;
 mod transfer_in_app;
 mod undo_in_app;
+#[cfg(feature = "opencv")]
+mod undo_of_commands;
 mod which_camera;

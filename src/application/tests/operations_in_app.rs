@@ -57,9 +57,9 @@ fn another_document_ends_a_comparison_and_what_runs_unasked() {
     assert!(bench.app.operations.comparison.is_running());
     let started = jobs(&bench.effects);
     let unasked = if cfg!(feature = "opencv") {
-        &["burned-in graphics", "line check"][..]
+        &["burned-in graphics", "new images", "line check"][..]
     } else {
-        &["line check"]
+        &["new images", "line check"]
     };
     assert_eq!(names(&started), [unasked, &[Comparison::NAME]].concat());
     open_another(&mut bench, &started);

@@ -66,7 +66,7 @@ fn elsewhere() -> CameraBase {
 }
 
 /// Frames of a camera that is bumped after the first `before` of them.
-fn document(frames: usize, before: usize, noise_px: f64, rng: &mut Pcg64Mcg) -> Document {
+pub fn document(frames: usize, before: usize, noise_px: f64, rng: &mut Pcg64Mcg) -> Document {
     document_of(frames, before, &bumped_base(), noise_px, rng)
 }
 

@@ -16,7 +16,7 @@
 //! | `edits` | edits as the journal has them, undo |
 //! | `versions` | several versions of a document joined |
 //! | `frame_state` | what a frame's records mean, and the program's suggestion for it |
-//! | `create`, `dataset`, `paths`, `fields`, `at`, `shots`, `video_shots` | whole documents |
+//! | `create`, `new_images`, `dataset`, `paths`, `fields`, `at`, `shots`, `video_shots` | whole documents |
 //!
 //! Methods of one type lie in several of these files, each by its subject: files beside each other
 //! may not use each other in a circle (`tests/suite/architecture.rs`).
@@ -110,6 +110,7 @@ mod fields;
 pub mod fixtures;
 mod frame_state;
 mod model;
+mod new_images;
 mod paths;
 mod shots;
 mod text;
@@ -124,6 +125,7 @@ pub use edits::frame_changes::FrameChanges;
 pub use edits::history::{History, Step, Undoable};
 pub use edits::old_edit::OldChange;
 pub use edits::step_edit::{StepEdit, StepMisfit};
+pub use edits::suggestion_change::SuggestionChange;
 pub use fields::Fields;
 pub use frame_state::frame_solution::ENOUGH_EQUATIONS;
 pub use frame_state::gold::RepeatedClicks;
@@ -149,6 +151,7 @@ pub use model::solution::{
     BetterName, FramePtz, PaintEvidence, Proposed, Solution, SolutionSource, SolutionWarning,
     TimingsMs,
 };
+pub use new_images::FolderChanges;
 pub use paths::{path_between, resolve_path};
 pub use shots::shots;
 pub use text::read::{ReadError, document_from_bytes};

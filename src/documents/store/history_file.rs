@@ -209,7 +209,7 @@ fn bytes(
     document: &Document,
     history: &History<Document>,
 ) -> io::Result<Vec<u8>> {
-    // Undo and redo change the user's edits only, not the suggestions.
+    // Undo and redo work on the document without suggestions; what a step did to these is in it.
     let edited = document.without_suggestions();
     let (undo_lines, undo) = lines(history.undo_edits(&edited).map(Record::Undo))?;
     let (redo_lines, redo) = lines(history.redo_edits(&edited).map(Record::Redo))?;

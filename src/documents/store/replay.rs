@@ -76,7 +76,9 @@ impl Replay {
         let edited = self
             .document
             .without_suggestions_since(&before, &self.edited);
-        self.history.follow(&self.edited, &edited, name, kind);
+        let suggestions = self.document.suggestion_changes_since(&before);
+        self.history
+            .follow([&self.edited, &edited], suggestions, name, kind);
         self.edited = edited;
         Ok(())
     }

@@ -9,6 +9,7 @@ mod accept_all;
 mod assign;
 mod changed_outside;
 mod comment;
+mod discard_batch;
 mod found_camera;
 mod fuzzy;
 mod go_to;
@@ -54,6 +55,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::PictureLook) => picture_look::show(panel, ctx),
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
+        Some(Dialog::DiscardBatch { batch, frames }) => {
+            discard_batch::show(panel, ctx, batch, frames);
+        }
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
         Some(Dialog::FoundCamera) => found_camera::show(panel, ctx),
         Some(Dialog::GoToPlace) => go_to::show(panel, ctx),

@@ -144,15 +144,18 @@ fn new_makes_a_project_of_a_folder() {
         (0, "No problems: 3 frames, 0 clicks.\n")
     );
     let first = fs::read(folder.path().join("match/project.json")).unwrap();
-    assert_eq!(
-        touchline(folder.path(), "new match --frames frames --field soccer").code,
-        2,
-        "it exists"
-    );
-    assert_eq!(
-        fs::read(folder.path().join("match/project.json")).unwrap(),
-        first
-    );
+    for (again, code) in [
+        ("new match --frames frames --field soccer", 0),
+        ("new match --frames frames --field futsal", 2),
+    ] {
+        let ran = touchline(folder.path(), again);
+        assert_eq!(ran.code, code, "{}", ran.stderr);
+        assert_eq!(
+            fs::read(folder.path().join("match/project.json")).unwrap(),
+            first,
+            "it exists, and no image came"
+        );
+    }
     assert_eq!(
         touchline(
             folder.path(),
@@ -181,6 +184,37 @@ fn new_makes_a_project_of_a_folder() {
         first,
         "same input, same bytes"
     );
+}
+
+#[test]
+fn new_again_adds_the_images_that_came_and_changes_nothing_else() {
+    let folder = pictures();
+    let new = "new match --frames frames --field soccer";
+    assert_eq!(touchline(folder.path(), new).code, 0);
+    let project = folder.path().join("match");
+    let mut document = read(&project).unwrap().1;
+    document.frames[1].comment = Some("rain".to_owned());
+    fs::write(
+        project.join("project.json"),
+        document_to_string(&document).unwrap(),
+    )
+    .unwrap();
+    let frames = folder.path().join("frames");
+    fs::copy(frames.join("2.png"), frames.join("3.png")).unwrap();
+    fs::copy(frames.join("2.png"), frames.join("x.png")).unwrap();
+    fs::remove_file(frames.join("10.png")).unwrap();
+    let ran = touchline(folder.path(), new);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let says = "2 new images added, 5 frames in all; 1 image not in the folder any more\n";
+    assert!(ran.stderr.ends_with(says), "{}", ran.stderr);
+    let now = read(&project).unwrap().1;
+    let names: Vec<_> = now.frames.iter().map(|frame| frame.name()).collect();
+    let all = ["2.png", "3.png", "10.png", "large.png", "x.png"];
+    assert_eq!(names, all.map(|name| format!("../frames/{name}")));
+    for frame in &document.frames {
+        assert_eq!(now.frames.by_id(&frame.id), Some(frame));
+    }
+    assert_eq!(now.cameras, document.cameras);
 }
 
 #[test]

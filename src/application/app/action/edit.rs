@@ -1,6 +1,7 @@
 //! Actions that change the document.
 
 use crate::app::window_state::choices::{CameraChoice, MaskList, MaskScope, Scope};
+use touchline_calibration::proposals::BatchId;
 use touchline_core::camera::Ptz;
 use touchline_core::field::Symmetry;
 use touchline_core::geometry::PixelBox;
@@ -89,6 +90,8 @@ pub enum EditAction {
     Abort,
     /// Solve the shown frame from its clicks again, in place of numbers set by hand.
     SolveAgain,
+    /// Discards a batch of suggestions after the question.
+    DiscardBatch(BatchId),
     /// Accept the suggestions on the sheet *Accept all*.
     AcceptAll,
     /// Use a reference for training, or not.

@@ -22,6 +22,7 @@ pub enum Command {
     Export,
     ExportDataset,
     Import,
+    AddNewImages,
     Orphans,
     Quit,
     Undo,
@@ -237,6 +238,7 @@ rows! {
     Import, "import", File, Document, "Import labels…", "Read clicks or cameras from another program, preview them, and merge them into this document. One step of undo.", [];
     Export, "export", File, Document, "Export…", "Write the document in one of many formats; anything that a format cannot hold is listed first.", ["Ctrl+E"];
     ExportDataset, "export_dataset", File, Document, "Export dataset…", "Write a folder with pictures, labels, splits, a card and a manifest.", ["Ctrl+Shift+E"];
+    AddNewImages, "add_new_images", File, Document, "Add new images", "Add the images that came to the folder of the frames since the project was made. One step of undo.", [];
     Orphans, "orphans", File, Document, "Edits set aside…", "Edits that were made to another version of this document: merge them, or keep them as a separate document.", [];
     Quit, "quit", File, Application, "Quit", "Save and close the window.", ["Ctrl+Q"];
     Undo, "undo", Edit, Application, "Undo", "Undo the last change. If it is on another frame, the first press goes to that frame.", ["Ctrl+Z"];
@@ -305,10 +307,10 @@ rows! {
     MendNames, "mend_names", Frame, Picture, "Use the names that fit", "Where other names fit the points better or equally well: swap, mirror or rename them.", [];
     SwitchRoot, "switch_root", Frame, Picture, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
     Snap, "snap", Frame, Picture, "Snap to the painted lines", "Refine pan, tilt and focal length on the painted lines of the picture, held by the points. Hold the key to see the camera before. One step of undo.", ["S"];
-    SearchLines, "search_lines", Frame, Picture, "Search the painted lines", "Find this frame's camera from its painted lines alone; for wide views of a camera whose base is known. The result is a suggestion.", [];
-    Track, "track", Frame, Picture, "Track cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions.", ["T"];
-    DiscardTracked, "discard_carried", Frame, Picture, "Discard the tracked cameras", "Restore what the frames showed before they were tracked. Frames that you have changed or accepted since are kept.", [];
-    DiscardBatch, "discard_batch", Frame, Picture, "Discard this batch of suggestions", "Discard this frame's suggestion and all others that came with it: from the same forest, shot or search. Frames that you have changed or accepted since are kept; the others show what was suggested before. No step of undo.", [];
+    SearchLines, "search_lines", Frame, Picture, "Search the painted lines", "Find this frame's camera from its painted lines alone; for wide views of a camera whose base is known. The result is a suggestion. One step of undo.", [];
+    Track, "track", Frame, Picture, "Track cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions. One step of undo.", ["T"];
+    DiscardTracked, "discard_carried", Frame, Picture, "Discard the tracked cameras", "Restore what the frames showed before they were tracked. Frames that you have changed or accepted since are kept. One step of undo.", [];
+    DiscardBatch, "discard_batch", Frame, Picture, "Discard this batch of suggestions", "Discard this frame's suggestion and all others that came with it: from the same forest, shot or search. Frames that you have changed or accepted since are kept; the others show what was suggested before; a camera that was imported comes back. One step of undo.", [];
     TakeLength, "take_length", Frame, Picture, "Take the measured length of the field", "Use the length of the field that the painted lines of the tracked frames indicate, if no length is stated. One step of undo.", [];
     RefineBaseOnShot, "refine_base_on_shot", Frame, Picture, "Refine the base on this shot", "Track the shot, correct the camera's base and an assumed field size by the painted lines of all its frames, and repeat that until the base settles; then track cameras through the shot. One clicked frame is enough. Undo restores the base and removes the tracked cameras.", ["Shift+T"];
     StopTracking, "stop_tracking", Frame, Picture, "Stop tracking cameras", "Stop tracking cameras through the shot; nothing is changed.", [];

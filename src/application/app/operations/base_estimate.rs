@@ -4,6 +4,7 @@
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
+use crate::app::operations::as_it_was::AsItWas;
 use crate::app::window_state::session::{Level, SidePanel};
 use crate::app::{App, Command};
 use std::path::PathBuf;
@@ -62,6 +63,8 @@ pub enum BaseEstimateError {
 pub struct BaseEstimateState {
     slot: Slot<BaseEstimate>,
     last: LastEstimate,
+    /// The document and the camera of the last result.
+    of: Option<(Document, CameraId)>,
 }
 
 /// The state of the last result.
@@ -117,18 +120,16 @@ impl Operation for BaseEstimate {
         result: Result<Box<EstimatedBase>, Failure<BaseEstimateError>>,
     ) {
         match result {
-            Ok(_) if !self.has_field_of(app) => {
-                let text = "The field changed in the meantime; the estimated base was discarded.";
-                let offers = [("Estimate again", Command::EstimateBase)];
-                app.session.notify_with(Level::Info, text, offers);
-            }
+            Ok(_) if !app.has_field_of(&self.document, &self.camera) => app.tell_other_field(),
             Ok(found) => {
                 let hint = app.settings.keys.with_key(Command::Compare, |key| {
                     format!("; hold {key} for the current base")
                 });
                 let text = describe(&found, &hint);
                 app.session.retract(Command::EstimateBase);
-                app.operations.base_estimate.last = LastEstimate::Proposed(found.into());
+                let state = &mut app.operations.base_estimate;
+                state.last = LastEstimate::Proposed(found.into());
+                state.of = Some((self.document.clone(), self.camera.clone()));
                 app.session.notify(Level::Info, text);
             }
             Err(failure) => app
@@ -139,13 +140,6 @@ impl Operation for BaseEstimate {
 }
 
 impl BaseEstimate {
-    /// Whether the camera's field is still the one with which the base is estimated.
-    fn has_field_of(&self, app: &App) -> bool {
-        let Some(open) = &app.open else { return false };
-        let field = self.document.field_of_camera(&self.camera);
-        field.is_same_field(open.document.field_of_camera(&self.camera))
-    }
-
     /// Estimates the base from clicks alone.
     fn estimate(
         &self,
@@ -314,8 +308,27 @@ impl App {
         state.last = LastEstimate::Nothing;
     }
 
+    /// Whether a camera's field is still the one of a document in which work on it began.
+    pub(super) fn has_field_of(&self, then: &Document, camera: &CameraId) -> bool {
+        self.open.as_ref().is_some_and(|open| {
+            let now = &open.document;
+            AsItWas { then, now }.has_field(camera)
+        })
+    }
+
+    fn tell_other_field(&mut self) {
+        let text = "The field changed in the meantime; the estimated base was discarded.";
+        let offers = [("Estimate again", Command::EstimateBase)];
+        self.session.notify_with(Level::Info, text, offers);
+    }
+
     /// Writes the proposed base into the document; one step of undo.
     fn use_estimated_base(&mut self) {
+        let of = self.operations.base_estimate.of.as_ref();
+        if of.is_some_and(|(then, camera)| !self.has_field_of(then, camera)) {
+            self.operations.base_estimate.last = LastEstimate::Nothing;
+            return self.tell_other_field();
+        }
         if let Some(found) = self.operations.base_estimate.proposed_base() {
             let change = BulkChange::Base(Arc::clone(found));
             self.change_in_bulk(

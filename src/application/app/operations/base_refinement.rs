@@ -6,8 +6,9 @@
 //! with them as usual; the points that were followed for the refinement are reused.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::operations::UnderWay;
+use crate::app::operations::as_it_was::AsItWas;
 use crate::app::operations::clip_tracking::describe_progress;
-use crate::app::operations::{UnderWay, has_same_base_and_field};
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
@@ -67,6 +68,9 @@ pub enum BaseRefinementError {
     #[error("stopped; nothing was changed")]
     Stopped,
 }
+
+/// The name of the step of undo, to which the cameras that are tracked with the base belong, too.
+pub(super) const REFINED: &str = "Refine the base on the shot";
 
 /// The running refinement.
 #[derive(Debug, Default)]
@@ -259,7 +263,11 @@ impl App {
         let camera = &frame.camera;
         // A refinement may change base and field, and is valid only for those that it began with.
         let [field, field_before] = [&open.document, before].map(|of| of.field_of_camera(camera));
-        if !has_same_base_and_field(&open.document, before, camera) || field != field_before {
+        let since = AsItWas {
+            then: before,
+            now: &open.document,
+        };
+        if !since.has_base_and_field(camera) || field != field_before {
             let text = "The base or the field changed in the meantime; the refined base was \
                         discarded.";
             self.session.notify(Level::Info, text);
@@ -270,7 +278,11 @@ impl App {
             off_px,
             evidence,
         } = refined;
-        let is_refined = !has_same_base_and_field(&found, before, camera);
+        let is_refined = !AsItWas {
+            then: before,
+            now: &found,
+        }
+        .has_base_and_field(camera);
         let base = found.camera(camera).and_then(Camera::base);
         let Some(base) = base.filter(|_| is_refined) else {
             self.session.notify(
@@ -295,15 +307,11 @@ impl App {
             evidence: Arc::new(evidence),
         });
         let change = BulkChange::Numbers(Box::new(numbers));
-        let is_changed = self.change_in_bulk(
-            Step::on_document("Refine the base on the shot"),
-            change,
-            |app, _| {
-                if let Some(clip) = app.operations.base_refinement.refined.take() {
-                    app.track_with_refined_base(&clip.frame, clip.evidence);
-                }
-            },
-        );
+        let is_changed = self.change_in_bulk(Step::on_document(REFINED), change, |app, _| {
+            if let Some(clip) = app.operations.base_refinement.refined.take() {
+                app.track_with_refined_base(&clip.frame, clip.evidence);
+            }
+        });
         // A change that was refused has reported that.
         if is_changed {
             self.session.notify(Level::Info, describe_refined(off_px));

@@ -2,7 +2,8 @@
 //! it from the lines alone if the frame has none.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
-use crate::app::operations::{UnderWay, has_same_base_and_field};
+use crate::app::operations::UnderWay;
+use crate::app::operations::as_it_was::AsItWas;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
@@ -227,11 +228,14 @@ impl App {
     fn take_camera_on_paint(&mut self, request: &FrameSnap, found: &CameraOnPaint) {
         // The position may have changed, the frame must not.
         let position = self.open.as_ref().and_then(|open| {
-            let position = open.document.frames.position_of(&request.frame.id)?;
-            let camera = &request.frame.camera;
-            let is_valid = open.document.frames[position].is_same(&request.frame)
-                && has_same_base_and_field(&open.document, &request.document, camera);
-            is_valid.then_some(position)
+            let since = AsItWas {
+                then: &request.document,
+                now: &open.document,
+            };
+            let position = since.unchanged(&request.frame.id)?;
+            since
+                .has_base_and_field(&request.frame.camera)
+                .then_some(position)
         });
         let Some(position) = position else {
             let text = "The frame, its base or its field changed in the meantime; the camera on \
@@ -265,7 +269,7 @@ impl App {
             };
             record(frame, &found.base, &found.found);
             if request.frame.shows_suggestion() && frame.status == FrameStatus::Suggested {
-                // Undo does not restore suggestions, but it must undo this command.
+                // Who aligns it has begun to work on it.
                 frame.status = FrameStatus::Draft;
             }
         }
@@ -311,7 +315,9 @@ impl App {
         let batch = open.project.open_batch(Finder::Command {
             name: Command::SearchLines.name().to_owned(),
         });
-        if let Some(edit) = open.suggest(batch, &[suggestion]) {
+        let step = self.step_at(Command::SearchLines.name(), position);
+        let Some(open) = &mut self.open else { return };
+        if let Some(edit) = open.suggest_as_step(step, batch, &[suggestion]) {
             self.journal_edit(edit);
         }
         let samples = found.samples;

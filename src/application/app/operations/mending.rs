@@ -3,6 +3,7 @@
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
+use crate::app::operations::as_it_was::AsItWas;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
@@ -109,8 +110,7 @@ impl Mending {
         for index in 0..now.frames.len() {
             let frame = &now.frames[index];
             let mended = mended.frames.by_id(&frame.id);
-            let then = then.frames.by_id(&frame.id);
-            let is_as_it_was = then.is_some_and(|then| has_same_labels(then, frame));
+            let is_as_it_was = AsItWas { then, now }.unchanged(&frame.id).is_some();
             if let Some(mended) = mended.filter(|_| is_as_it_was) {
                 take_labels(&mut merged.frames[index], mended);
                 continue;
@@ -126,17 +126,6 @@ impl Mending {
         }
         Some(merged)
     }
-}
-
-/// Whether two versions of a frame have the same camera, clicks and status. Other parts, such as
-/// the shot that the search for cuts writes, may differ.
-fn has_same_labels(one: &Frame, other: &Frame) -> bool {
-    one.camera == other.camera
-        && one.ptz == other.ptz
-        && one.lens == other.lens
-        && one.solution == other.solution
-        && one.status == other.status
-        && one.clicks == other.clicks
 }
 
 /// Gives a frame the camera of its mended version.

@@ -3,8 +3,10 @@
 //!
 //! To add an operation, write its file, give [`Operations`] a field for its state, and let a
 //! command or an action start it. The commands of operations, and the operations that start without
-//! a command, are listed in this file, so that the rest of the application names none.
+//! a command, are listed in this file, so that the rest of the application names none. A result
+//! joins the document as `as_it_was` says.
 
+mod as_it_was;
 pub mod base_estimate;
 mod base_refinement;
 pub mod bulk_solve;
@@ -16,6 +18,7 @@ pub mod comparison;
 pub mod frame_snap;
 mod line_check;
 mod mending;
+mod new_images;
 mod path_sorting;
 mod picture_check;
 mod point_snap;
@@ -33,6 +36,7 @@ pub use comparison::{Comparison, ComparisonResult};
 pub use frame_snap::FrameSnap;
 pub use line_check::LineCheckSummary;
 pub use mending::Mending;
+pub use new_images::NewImages;
 pub use path_sorting::{ForeignLabels, PathSorting};
 pub use point_snap::PointSnap;
 pub use shot_search::{FoundShots, ShotSearch};
@@ -52,13 +56,13 @@ use comparison::ComparisonState;
 use frame_snap::FrameSnapState;
 use line_check::LineChecks;
 use mending::MendingState;
+use new_images::NewImagesState;
 use path_sorting::PathSortingState;
 use picture_check::PictureComparisonState;
 use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
 use std::sync::Arc;
 use touchline_calibration::calibrate::EstimatedBase;
-use touchline_documents::document::{Camera, CameraId, Document};
 use transfer::TransferState;
 
 /// The state of each operation on the open document. Opening another document replaces this value,
@@ -85,6 +89,8 @@ pub struct Operations {
     pub frame_snap: FrameSnapState,
     /// The mending of imported cameras.
     pub(in crate::app) mending: MendingState,
+    /// The search for images that came to the folders of the document.
+    pub(in crate::app) new_images: NewImagesState,
     /// The sorting of dropped paths.
     pub(in crate::app) path_sorting: PathSortingState,
     /// The comparison of the frames' cameras with the painted lines.
@@ -144,14 +150,6 @@ impl Operations {
     }
 }
 
-/// Whether a camera has the same base and field in two versions of a document. A result from one
-/// of them is not valid for the other if it has not.
-fn has_same_base_and_field(one: &Document, other: &Document, camera: &CameraId) -> bool {
-    let [base, base_there] = [one, other].map(|of| of.camera(camera).and_then(Camera::base));
-    let [field, field_there] = [one, other].map(|of| of.field_of_camera(camera));
-    base == base_there && field.is_same_field(field_there)
-}
-
 impl App {
     /// Why a command of an operation is not available. None if it is, or if it belongs to no
     /// operation.
@@ -172,6 +170,7 @@ impl App {
             | C::TakeLength
             | C::RefineBaseOnShot => self.why_not_clip_tracking(command),
             C::MendCameras | C::StopMending => self.why_not_mending(command),
+            C::AddNewImages => self.why_not_add_images(),
             C::CompareAnnotators => self.why_not_compare(),
             C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
             C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),
@@ -200,6 +199,7 @@ impl App {
                 self.clip_tracking_command(command);
             }
             C::MendCameras | C::StopMending => self.mending_command(command),
+            C::AddNewImages => self.add_new_images(),
             C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
             C::Snap | C::SearchLines | C::StopSearch => self.frame_snap_command(command),
             C::FindShots | C::StopShotSearch => self.shot_search_command(command),
@@ -212,6 +212,7 @@ impl App {
         self.find_burnt_in();
         self.find_shots_of_new();
         self.compare_pictures();
+        self.look_for_new_images();
     }
 
     /// Takes over the results that had to wait, and the decision of a click between two cameras.

@@ -118,13 +118,17 @@ impl OpenProject {
         self.document.frames.get(index).map(|frame| &**frame)
     }
 
-    /// The changes since the last call, to be written to the journal; none if there are none.
-    /// `kind` says what undo and redo make of the edit.
-    pub(in crate::app) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
-        // Frames from which the user's work was removed show their suggestion again.
+    /// Shows the suggestion again of each frame from which the user's work was removed.
+    fn show_suggestions_again(&mut self) {
         for (position, frame) in self.project.not_shown_in(&self.document) {
             self.document.frames[position] = frame;
         }
+    }
+
+    /// The changes since the last call, to be written to the journal; none if there are none.
+    /// `kind` says what undo and redo make of the edit.
+    pub(in crate::app) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
+        self.show_suggestions_again();
         // `take_in` writes nothing but the revisions of frames, from which nothing is derived.
         let edit = self
             .project
@@ -197,20 +201,62 @@ impl OpenProject {
         Some(edit)
     }
 
-    /// Removes a batch of suggestions from the frames that users have not changed since; this is no
-    /// step of undo.
+    /// [`Self::suggest`] as a step of undo, for what a command of the user has found.
+    pub(in crate::app) fn suggest_as_step(
+        &mut self,
+        step: Step,
+        batch: BatchId,
+        updates: &[SuggestionUpdate],
+    ) -> Option<Edit> {
+        let change = |open: &mut Self| drop(open.suggest(batch, updates));
+        self.change_suggestions(step, change).0
+    }
+
+    /// Removes a batch of suggestions from the frames that users have not changed since; one step
+    /// of undo.
     pub(in crate::app) fn discard_batch(
         &mut self,
+        step: Step,
         batch: BatchId,
         newest_forest: u64,
     ) -> Discarded {
-        let mut document = self.document.clone();
-        let discarded = self.project.discard(&mut document, batch, newest_forest);
-        if discarded.edit.is_some() {
-            *self.document = document;
-            self.revision += 1;
+        let (edit, discarded) = self.change_suggestions(step, |open| {
+            let mut document = open.document.clone();
+            let discarded = open.project.discard(&mut document, batch, newest_forest);
+            if discarded.frames() > 0 {
+                *open.document = document;
+            }
+            discarded
+        });
+        Discarded { edit, ..discarded }
+    }
+
+    /// Makes a step of undo of a change that suggests or discards, and returns its edit for the
+    /// journal; none if nothing changes.
+    fn change_suggestions<T>(
+        &mut self,
+        step: Step,
+        change: impl FnOnce(&mut Self) -> T,
+    ) -> (Option<Edit>, T) {
+        let (before, name) = (self.project.view().clone(), step.name.clone());
+        let revision = self.revision;
+        // The step may have been resumed already.
+        if !self.history.is_open() {
+            self.begin(step);
         }
-        discarded
+        let kind = self.history.open_kind();
+        let result = change(self);
+        // The project shows its suggestions already; what else has changed is taken in here. Both
+        // are one edit.
+        let edited = self.project.edits_in(&self.document);
+        let suggestions = self.document.suggestion_changes_since(&before);
+        let is_step = self.history.commit_with(&edited, suggestions);
+        self.project.take_in(self.document.keeping_version(), &name);
+        let edit = Edit::between(&before, self.project.view(), &name);
+        let edit = edit.with_kind(if is_step { kind } else { EditKind::NoStep });
+        let edit = Some(edit).filter(|edit| !edit.is_empty());
+        self.revision = revision + u64::from(edit.is_some());
+        (edit, result)
     }
 
     /// The field that a frame shows, with its parameters.
@@ -331,7 +377,15 @@ impl OpenProject {
 
     /// Closes the open step of undo.
     pub(in crate::app) fn commit(&mut self) {
-        self.history.commit(&self.project.edits_in(&self.document));
+        if !self.history.is_open() {
+            return;
+        }
+        // The view is the document before the step, but for suggestions that have come since; the
+        // document has these, too.
+        self.show_suggestions_again();
+        let suggestions = self.document.suggestion_changes_since(self.project.view());
+        self.history
+            .commit_with(&self.project.edits_in(&self.document), suggestions);
     }
 
     /// Aborts the open step of undo: the document returns to its state before the step.
@@ -379,8 +433,7 @@ impl OpenProject {
         } else {
             self.history.redo(&mut edited)
         }?;
-        self.project.keep_answers_not_in(&edited);
-        *self.document = self.project.view_with(&edited);
+        *self.document = self.project.view_after(&edited, &step, back);
         Some(step)
     }
 }

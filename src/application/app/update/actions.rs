@@ -105,6 +105,7 @@ impl App {
             EditAction::Abort => self.abort(),
             EditAction::SolveAgain => self.solve_again(),
             EditAction::AcceptAll => self.accept_all(),
+            EditAction::DiscardBatch(batch) => self.discard_batch(batch),
             EditAction::SetUseForTraining { frame, used } => self.set_use_for_training(frame, used),
             EditAction::UseForBase { frame, used } => self.use_for_base(frame, used),
             EditAction::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),

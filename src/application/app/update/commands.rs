@@ -366,6 +366,7 @@ impl App {
             | C::Track
             | C::DiscardTracked
             | C::StopTracking
+            | C::AddNewImages
             | C::MendCameras
             | C::StopMending
             | C::TakeLength
@@ -427,10 +428,15 @@ impl App {
                 // The point keeps the name that it was given automatically and that the user has
                 // not confirmed.
                 self.session.points.named_automatically = refines.then_some(click);
-                // A point without a name was placed by mistake.
+                // A point without a name was placed by mistake. What the click did to the frame
+                // goes with it: an accepted frame is accepted again.
                 let unnamed = self.frame().and_then(|frame| frame.clicks.get(click));
                 if unnamed.is_some_and(|click| click.target.is_none()) {
-                    self.delete_click(click);
+                    if self.is_placed_last(click) {
+                        self.undo(true);
+                    } else {
+                        self.delete_click(click);
+                    }
                 }
             }
             Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,

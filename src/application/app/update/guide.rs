@@ -29,7 +29,7 @@ impl App {
             ) => GuidePage::Window,
             Some(Dialog::AssignToCamera(_) | Dialog::FoundCamera) => GuidePage::Base,
             Some(Dialog::GoToPlace) => GuidePage::Video,
-            Some(Dialog::AcceptAll) => GuidePage::Review,
+            Some(Dialog::AcceptAll | Dialog::DiscardBatch { .. }) => GuidePage::Review,
             Some(Dialog::Transfer) => GuidePage::Export,
             Some(Dialog::ChangedOutside | Dialog::Orphans) => GuidePage::SeveralPeople,
             Some(Dialog::Palette | Dialog::Comment(_) | Dialog::Path(_) | Dialog::Guide { .. }) => {

@@ -186,8 +186,8 @@ impl App {
             .and_then(|open| open.frame(position))
             .map(|frame| frame.id.clone());
         Step {
-            name: name.into(),
             frame,
+            ..Step::on_document(name)
         }
     }
 
@@ -331,7 +331,7 @@ impl App {
     /// After frames were added or removed: shows and selects the same frames as before, by their
     /// ids. If the shown frame was removed, its neighbour is shown. An estimate is forgotten if any
     /// frame was moved, because its tables name frames by their positions.
-    fn follow_frames(&mut self, before: &Frames) {
+    pub(in crate::app) fn follow_frames(&mut self, before: &Frames) {
         let Some(open) = &self.open else { return };
         // Selected frames that are gone leave the selection.
         let now = &open.document.frames;

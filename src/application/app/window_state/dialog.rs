@@ -3,6 +3,7 @@
 use super::choices::Scope;
 use crate::app::commands::guide::GuidePage;
 use std::path::PathBuf;
+use touchline_calibration::proposals::BatchId;
 use touchline_documents::exchange::Format;
 
 /// The content of the side panel.
@@ -49,6 +50,13 @@ pub enum Dialog {
     FoundCamera,
     /// Acceptance of several suggestions together.
     AcceptAll,
+    /// Question whether to discard a large batch of suggestions.
+    DiscardBatch {
+        /// The batch.
+        batch: BatchId,
+        /// The number of frames that show it.
+        frames: usize,
+    },
     /// Input of a frame number or a time.
     GoToPlace,
     /// Input of a comment on the frame.

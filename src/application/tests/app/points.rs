@@ -184,6 +184,27 @@ fn escape_takes_a_point_without_a_name_away() {
 }
 
 #[test]
+fn escape_after_a_stray_click_leaves_an_accepted_frame_accepted() {
+    let mut bench = Bench::new(document(1, true));
+    bench.place("centre_mark");
+    bench.place("halfway_far");
+    bench.command(Command::AcceptAndStay);
+    let accepted = bench.frame().clone();
+    assert_eq!(accepted.status, FrameStatus::Reference);
+    bench.click(ImagePoint::new(300.0, 300.0));
+    assert_eq!(bench.frame().status, FrameStatus::Draft);
+    bench.command(Command::Cancel);
+    let revision = bench.frame().revision;
+    assert_eq!(
+        *bench.frame(),
+        Frame {
+            revision,
+            ..accepted
+        }
+    );
+}
+
+#[test]
 fn a_drag_is_one_step_and_escape_is_none() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");

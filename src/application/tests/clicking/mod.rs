@@ -4,5 +4,5 @@
 mod gold_in_app;
 mod grab_in_app;
 pub mod masks_in_app;
-mod names_in_app;
+pub mod names_in_app;
 mod snapped_points_in_app;

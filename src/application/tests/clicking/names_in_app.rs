@@ -17,7 +17,7 @@ use touchline_documents::document::{
     document_from_bytes, document_to_string,
 };
 
-fn project() -> Document {
+pub fn project() -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base());
@@ -46,7 +46,7 @@ fn frame(name: &str, ptz: Ptz, spots: &[(&str, &str)]) -> Frame {
 }
 
 /// Centre mark and far end of the circle are exchanged.
-fn swapped_frame() -> Frame {
+pub fn swapped_frame() -> Frame {
     let ptz = Ptz::from_degrees(-12.0, -14.0, 2000.0);
     let spots = [
         ("halfway_far", "halfway_far"),

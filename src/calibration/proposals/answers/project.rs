@@ -7,8 +7,9 @@
 //! All results of the program are handled alike, whichever method found them. They come in batches.
 //! Accepting a suggestion is an ordinary edit, which copies the answer into the frame. Discarding a
 //! batch removes its suggestions from the frames that the user has not touched since; these show
-//! earlier suggestions again. Undo and redo change the user's edits only. When an acceptance is
-//! undone, the frame is untouched again and shows whatever is suggested for it at that time.
+//! earlier suggestions again. Undo and redo change the user's edits, and the suggestions that a
+//! command of the user made or discarded. When an acceptance is undone, the frame is untouched again
+//! and shows whatever is suggested for it at that time.
 
 use super::suggestions::{Novelty, RemovedBatch, Suggestions};
 use crate::proposals::{BatchId, Finder, FrameRequest};
@@ -16,7 +17,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{
-    Camera, CameraId, Document, Edit, Frame, FrameId, FramePtz, Shared, Solution, Suggestion,
+    Camera, CameraId, Document, Edit, Frame, FrameId, FramePtz, Shared, Solution, SolutionSource,
+    Step, Suggestion, SuggestionChange,
 };
 
 /// A result for a frame, to be suggested.
@@ -61,11 +63,19 @@ pub struct Discarded {
     pub edit: Option<Edit>,
     /// Number of frames that show no suggestion now.
     pub emptied: usize,
-    /// Number of frames that show an earlier suggestion again.
+    /// Number of frames that show an earlier suggestion, or the camera of another program, again.
     pub given_back: usize,
     /// Frames in which forests up to a generation may not answer again; none if no forest found the
     /// batch.
     pub refused: Option<RefusedForests>,
+}
+
+impl Discarded {
+    /// Number of frames that show something else now.
+    #[must_use]
+    pub const fn frames(&self) -> usize {
+        self.emptied + self.given_back
+    }
 }
 
 /// Frames in which the answers of a forest were discarded.
@@ -125,6 +135,56 @@ impl Project {
         now.without_suggestions_since(&self.view, &self.edited)
     }
 
+    /// The view of the state of the user's edits to which undo (`back`) or redo of a step leads:
+    /// what the step suggested or discarded is given back, too.
+    pub fn view_after(&mut self, edited: &Document, step: &Step, back: bool) -> Document {
+        let bases = Bases::in_document(edited);
+        let batch = Finder::Command {
+            name: step.name.clone(),
+        };
+        for SuggestionChange { id, before, after } in step.suggestions.iter() {
+            let [from, to] = if back {
+                [after, before]
+            } else {
+                [before, after]
+            };
+            let Some(frame) = edited.frames.by_id(id).filter(|frame| frame.is_untouched()) else {
+                continue;
+            };
+            let base = bases.for_frame(frame);
+            let to = to.as_ref().map(|to| Suggestion {
+                revision: frame.revision,
+                base,
+                ..to.clone()
+            });
+            let here = self.edited.frames.by_id(id);
+            if here.is_some_and(|frame| frame.is_untouched()) {
+                let from = from.as_ref();
+                self.suggestions
+                    .turn(id, base.as_ref(), [from, to.as_ref()], &batch);
+            } else if let Some(to) = to
+                && self.suggestions.topmost(id, base.as_ref()).is_none()
+                && !self.suggestions.has_discarded(id)
+            {
+                // A decision is taken back: the frame shows whatever is suggested for it by now.
+                let batch = self.suggestions.batch_of_finder(Finder::Earlier {
+                    source: to.solution.as_ref().and_then(|solution| solution.source),
+                });
+                self.suggestions.put(id, batch, to);
+            }
+        }
+        self.keep_answers_not_in(edited);
+        let mut view = self.view_with(edited);
+        for position in step
+            .suggestions
+            .iter()
+            .filter_map(|change| edited.frames.position_of(&change.id))
+        {
+            view.frames[position] = self.with_suggestion(&edited.frames[position], &bases);
+        }
+        view
+    }
+
     /// The view of another state of the user's edits.
     pub fn view_with(&self, edited: &Document) -> Document {
         let bases = Bases::in_document(edited);
@@ -164,7 +224,7 @@ impl Project {
     /// Keeps the answers that frames have now and lack in another state of the user's edits. If the
     /// user undoes the acceptance or correction of an answer from an earlier session, the answer is
     /// suggested again, unless it was discarded in this session.
-    pub fn keep_answers_not_in(&mut self, edited: &Document) {
+    fn keep_answers_not_in(&mut self, edited: &Document) {
         let bases = Bases::in_document(&self.edited);
         for position in edited
             .frames
@@ -321,32 +381,75 @@ impl Project {
             .filter(|_| frame.shows_suggestion())
     }
 
+    /// Number of frames in which discarding a batch shows something else.
+    pub fn frames_showing(&self, batch: BatchId) -> usize {
+        let bases = Bases::in_document(&self.edited);
+        let edited = self.edited.frames.iter();
+        let shows_it = |frame: &&Shared<Frame>| {
+            let base = bases.for_frame(frame);
+            frame.is_untouched()
+                && self.suggestions.topmost_batch(&frame.id, base.as_ref()) == Some(batch)
+        };
+        edited.filter(shows_it).count()
+    }
+
     /// Discards a batch in the frames that the user has not touched since. If a forest found it,
     /// neither that forest nor any up to `newest_forest` may answer there again. `now` is as in
-    /// [`Self::suggest`].
+    /// [`Self::suggest`]; a frame with a camera of another program that was mended shows that one
+    /// again there, which is an edit of `now` and not yet in the view.
     pub fn discard(&mut self, now: &mut Document, batch: BatchId, newest_forest: u64) -> Discarded {
         let edited = &self.edited.frames;
-        let RemovedBatch { frames, refused } =
+        let RemovedBatch { removed, refused } =
             self.suggestions.take_out(batch, newest_forest, |id| {
                 edited.by_id(id).is_some_and(|frame| frame.is_untouched())
             });
+        let frames: Vec<FrameId> = removed.iter().map(|(id, _)| id.clone()).collect();
         let UpdatedView {
             view,
             emptied,
-            given: given_back,
+            given,
         } = self.show_suggestions(now, &frames);
         let name = format!(
             "Discard the suggestions for {}",
-            pluralise(emptied + given_back, "frame")
+            pluralise(emptied.len() + given, "frame")
         );
         let edit = self.go_on_to(view, &name);
+        let came = removed
+            .iter()
+            .filter(|(id, gone)| emptied.contains(id) && self.give_back_imported(now, id, gone))
+            .count();
         let refused = refused.map(|generation| RefusedForests { frames, generation });
         Discarded {
             edit,
-            emptied,
-            given_back,
+            emptied: emptied.len() - came,
+            given_back: given + came,
             refused,
         }
+    }
+
+    /// Shows the camera of another program again in a frame without a suggestion from which its
+    /// replacement, `gone`, was discarded. False if there is no such camera.
+    fn give_back_imported(&self, now: &mut Document, id: &FrameId, gone: &Suggestion) -> bool {
+        let Some(frame) = now.frames.by_id(id).filter(|frame| frame.is_untouched()) else {
+            return false;
+        };
+        let came = self
+            .suggestions
+            .imported(id)
+            .cloned()
+            .or_else(|| recorded_import(gone, now.camera_of(frame)?));
+        let Some((came, base)) = came.and_then(|came| came.base.map(|base| (came, base))) else {
+            return false;
+        };
+        // Imported cameras of other places are cameras of their own in the document.
+        let Some(camera) = now.camera_with_base(&frame.camera.clone(), &base) else {
+            return false;
+        };
+        if let Some(frame) = now.frames.by_id_mut(id) {
+            frame.camera = camera;
+            came.show_in(frame);
+        }
+        true
     }
 
     /// The view with the current suggestions in some frames. `now` is updated in the same way,
@@ -355,7 +458,7 @@ impl Project {
         let bases = Bases::in_document(&self.edited);
         let mut shown = UpdatedView {
             view: self.view.clone(),
-            emptied: 0,
+            emptied: BTreeSet::new(),
             given: 0,
         };
         for position in frames
@@ -377,7 +480,7 @@ impl Project {
             if with.shows_suggestion() {
                 shown.given += 1;
             } else {
-                shown.emptied += 1;
+                shown.emptied.insert(with.id.clone());
             }
             shown.view.frames[position] = with;
         }
@@ -450,10 +553,26 @@ impl Project {
 /// A view in which frames show other suggestions than before.
 struct UpdatedView {
     view: Document,
-    /// Number of frames that show no suggestion now.
-    emptied: usize,
+    /// Frames that show no suggestion now.
+    emptied: BTreeSet<FrameId>,
     /// Number of frames that show another suggestion now.
     given: usize,
+}
+
+/// The camera that mending replaced by this suggestion, from the record that it keeps: in a project
+/// that was opened again, there is nothing else of it.
+fn recorded_import(mended: &Suggestion, camera: &Camera) -> Option<Suggestion> {
+    let solution = mended.solution.as_ref()?;
+    let (base, ptz) = solution.imported.as_ref()?.on_base_of(&camera.base()?);
+    Some(Suggestion {
+        revision: 0,
+        base: Some(base),
+        ptz: Some(FramePtz::new(ptz, None)),
+        solution: Some(Solution {
+            source: Some(SolutionSource::Import),
+            ..Solution::default()
+        }),
+    })
 }
 
 /// The suggestion that a frame had before the user accepted, rejected or corrected it, if the frame

@@ -85,22 +85,29 @@ struct KeptSuggestion {
 }
 
 impl KeptSuggestion {
+    fn source(&self) -> Option<SolutionSource> {
+        self.suggestion.solution.as_ref()?.source
+    }
+
+    /// Whether it is a camera that another program gave.
+    fn is_imported(&self) -> bool {
+        self.suggestion.ptz.is_some() && self.source() == Some(SolutionSource::Import)
+    }
+
     /// Whether it is a camera from a command of the user that did not use a forest.
     fn is_found_without_forest(&self, finder: Option<&Finder>) -> bool {
-        let source = self
-            .suggestion
-            .solution
-            .as_ref()
-            .and_then(|solution| solution.source);
         let is_by_command = matches!(finder, Some(Finder::Command { .. }));
-        is_by_command && self.suggestion.ptz.is_some() && source != Some(SolutionSource::Forest)
+        is_by_command
+            && self.suggestion.ptz.is_some()
+            && self.source() != Some(SolutionSource::Forest)
     }
 }
 
 /// The frames from which a batch was removed.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::proposals) struct RemovedBatch {
-    pub frames: Vec<FrameId>,
+    /// Which frames, each with what was removed last.
+    pub removed: Vec<(FrameId, Suggestion)>,
     /// Generation of the newest forest that may not answer there again; none if no forest found the
     /// batch.
     pub refused: Option<u64>,
@@ -210,6 +217,39 @@ impl Suggestions {
         forget_oldest(kept);
     }
 
+    /// Turns a frame from what it shows on one side of a step to what it shows on the other. What
+    /// the step, or another command since, has put on top goes with its batch; answers of a forest
+    /// that came meanwhile stay beneath what is given back.
+    pub fn turn(
+        &mut self,
+        frame: &FrameId,
+        base: Option<&CameraBase>,
+        [from, to]: [Option<&Suggestion>; 2],
+        finder: &Finder,
+    ) {
+        let is_shown = |known: Option<&Suggestion>, side: Option<&Suggestion>| match (known, side) {
+            (Some(known), Some(side)) => has_same_camera(known, side),
+            (known, side) => known.is_none() && side.is_none(),
+        };
+        if is_shown(self.topmost(frame, base), to) {
+            return;
+        }
+        if let Some(top) = self.topmost_kept(frame, base) {
+            let batch = top.batch;
+            let is_by_command = matches!(self.finder(batch), Some(Finder::Command { .. }));
+            let goes = is_by_command || is_shown(Some(&top.suggestion), from);
+            if let Some(kept) = self.by_frame.get_mut(frame).filter(|_| goes) {
+                kept.retain(|kept| kept.batch != batch || kept.suggestion.base.as_ref() != base);
+            }
+        }
+        if let Some(to) = to
+            && !is_shown(self.topmost(frame, base), Some(to))
+        {
+            let batch = self.batch_of_finder(finder.clone());
+            self.put(frame, batch, to.clone());
+        }
+    }
+
     /// Moves a forest's answer to the batch of a later forest that gave the same answer.
     pub fn move_to_batch(&mut self, frame: &FrameId, base: Option<&CameraBase>, batch: BatchId) {
         let is_forest = |batch| self.finder(batch).is_some_and(Finder::is_forest);
@@ -232,14 +272,15 @@ impl Suggestions {
         };
         let known = &mut kept.suggestion;
         // The revision is left out of the comparison: it is what changed.
-        let is_same = known.ptz == shown.ptz && known.solution == shown.solution;
+        let is_same = has_same_camera(known, shown);
         if is_same {
             known.revision = shown.revision;
         }
         is_same
     }
 
-    /// Removes a batch from the frames for which `is_open` is true. If a forest found it, neither
+    /// Removes a batch from the frames for which `is_open` is true, except cameras of other
+    /// programs: nothing was suggested instead of these. If a forest found it, neither
     /// that forest nor any up to `newest_forest` may answer there again.
     pub fn take_out(
         &mut self,
@@ -249,10 +290,10 @@ impl Suggestions {
     ) -> RemovedBatch {
         let mut taken = RemovedBatch::default();
         for (frame, kept) in self.by_frame.iter_mut().filter(|(frame, _)| is_open(frame)) {
-            let count = kept.len();
-            kept.retain(|kept| kept.batch != batch);
-            if kept.len() < count {
-                taken.frames.push(frame.clone());
+            let goes = |kept: &KeptSuggestion| kept.batch == batch && !kept.is_imported();
+            if let Some(last) = kept.iter().rfind(|kept| goes(kept)) {
+                taken.removed.push((frame.clone(), last.suggestion.clone()));
+                kept.retain(|kept| !goes(kept));
             }
         }
         // Forests that are already trained would give the discarded answers again.
@@ -261,12 +302,19 @@ impl Suggestions {
             Some(finder) if finder.is_forest() => Some(newest_forest),
             _ => None,
         };
-        for frame in &taken.frames {
+        for (frame, _) in &taken.removed {
             // Batches may be discarded in any order, so the refusal of a newer forest stays.
             let newest = self.discarded.entry(frame.clone()).or_default();
             *newest = taken.refused.unwrap_or(0).max(*newest);
         }
         taken
+    }
+
+    /// The latest camera of another program for a frame, for any base.
+    pub fn imported(&self, frame: &FrameId) -> Option<&Suggestion> {
+        let kept = self.by_frame.get(frame)?.iter();
+        let imported = kept.rev().find(|kept| kept.is_imported());
+        imported.map(|kept| &kept.suggestion)
     }
 
     /// Whether any suggestion for a frame has been discarded.
@@ -306,8 +354,12 @@ fn forget_oldest(kept: &mut Vec<KeptSuggestion>) {
 /// are ignored.
 fn says_the_same(new: &Suggestion, known: &Suggestion) -> bool {
     let both_unanswered = new.is_unanswered() && known.is_unanswered();
-    (both_unanswered && reason(new) == reason(known))
-        || (new.ptz == known.ptz && new.solution == known.solution)
+    (both_unanswered && reason(new) == reason(known)) || has_same_camera(new, known)
+}
+
+/// Whether two suggestions are the same camera, found in the same way, or the same lack of one.
+fn has_same_camera(one: &Suggestion, other: &Suggestion) -> bool {
+    one.ptz == other.ptz && one.solution == other.solution
 }
 
 /// Why a suggestion has no answer: its first warning.

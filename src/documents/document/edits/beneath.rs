@@ -41,11 +41,11 @@ impl History<Document> {
         // because neighbouring states share most of their frames.
         let mut known = [before.clone(), after.clone()];
         for (_, state) in self.done.iter_mut().skip(num_below).rev() {
-            known = mark_sharing(state, known, &mark);
+            known = mark_sharing(state, &known, &mark);
         }
         known = [before.clone(), after.clone()];
         for (_, state) in self.undone.iter_mut().rev() {
-            known = mark_sharing(state, known, &mark);
+            known = mark_sharing(state, &known, &mark);
         }
         self.done.insert(num_below, (step, start));
     }
@@ -55,7 +55,7 @@ impl History<Document> {
 /// a state that is `known` before and after the step is then shared with that one after it, too.
 fn mark_sharing(
     state: &mut Document,
-    known: [Document; 2],
+    known: &[Document; 2],
     mark: &impl Fn(&mut Document),
 ) -> [Document; 2] {
     let before = state.clone();

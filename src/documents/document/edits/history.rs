@@ -3,18 +3,25 @@
 //! A transaction begins, changes the value any number of times, and commits or aborts. A drag is
 //! one step; a commit without a change adds no step.
 
-use crate::document::{Document, EditKind, FrameId};
+use crate::document::{Document, EditKind, FrameId, Shared, SuggestionChange};
 use imbl::Vector;
 use serde::{Deserialize, Serialize};
 
 /// A step of the user, as undo names it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// In words: "Move centre mark".
     pub name: String,
     /// The frame it concerns; none for a change of a camera or the field.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<FrameId>,
+    /// What it did to the suggestions that frames show.
+    #[serde(default, skip_serializing_if = "has_none")]
+    pub suggestions: Shared<Vec<SuggestionChange>>,
+}
+
+fn has_none(changes: &Shared<Vec<SuggestionChange>>) -> bool {
+    changes.is_empty()
 }
 
 impl Step {
@@ -22,8 +29,8 @@ impl Step {
     #[must_use]
     pub fn on_frame(name: impl Into<String>, frame: FrameId) -> Self {
         Self {
-            name: name.into(),
             frame: Some(frame),
+            ..Self::on_document(name)
         }
     }
 
@@ -33,7 +40,14 @@ impl Step {
         Self {
             name: name.into(),
             frame: None,
+            suggestions: Shared::default(),
         }
+    }
+
+    /// Whether another step is by the same command on the same frame.
+    #[must_use]
+    pub fn is_alike(&self, other: &Self) -> bool {
+        self.name == other.name && self.frame == other.frame
     }
 }
 
@@ -180,7 +194,8 @@ impl<T: Undoable> History<T> {
     /// Reopens the transaction of the last step on `current`, if that step equals `step` and none
     /// is open. Further changes belong to it.
     pub fn resume(&mut self, current: &T, step: &Step) -> bool {
-        if self.open.is_some() || self.next_undo() != Some(step) {
+        let is_last = self.next_undo().is_some_and(|last| last.is_alike(step));
+        if self.open.is_some() || !is_last {
             return false;
         }
         let last = self.done.pop_back();
@@ -197,8 +212,14 @@ impl<T: Undoable> History<T> {
     /// undone steps are discarded then. A resumed step without further changes stays as it was;
     /// one that was changed back to the value before it is no step any more.
     pub fn commit(&mut self, current: &T) -> bool {
+        self.commit_with(current, Vec::new())
+    }
+
+    /// [`Self::commit`] with what the step has done to suggestions since it began or was resumed,
+    /// which is a change, too.
+    pub fn commit_with(&mut self, current: &T, suggestions: Vec<SuggestionChange>) -> bool {
         let Some(Transaction {
-            step,
+            mut step,
             before,
             resumed_at,
         }) = self.open.take()
@@ -209,11 +230,13 @@ impl<T: Undoable> History<T> {
         // stay, as nothing new was done. The check comes before the next one, which compares with
         // the state before the whole step.
         let is_resumed = resumed_at.is_some();
-        if resumed_at.is_some_and(|resumed| resumed.is_same_state(current)) {
+        let is_same = |resumed: T| resumed.is_same_state(current);
+        if suggestions.is_empty() && resumed_at.is_some_and(is_same) {
             self.done.push_back((step, before));
             return true;
         }
-        if before.is_same_state(current) {
+        step.add_suggestions(suggestions);
+        if before.is_same_state(current) && step.suggestions.is_empty() {
             // The undone steps start from the result of the resumed step: repeating one would
             // bring back what the user has just changed back.
             if is_resumed {

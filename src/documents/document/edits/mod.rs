@@ -10,3 +10,4 @@ pub mod frame_changes;
 pub mod history;
 pub mod old_edit;
 pub mod step_edit;
+pub mod suggestion_change;

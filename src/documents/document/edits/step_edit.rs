@@ -3,7 +3,7 @@
 
 use super::edit::apply_all;
 use crate::document::{
-    Change, Document, Edit, EditKind, EditMismatch, History, Step, Undoable as _,
+    Change, Document, Edit, EditKind, EditMismatch, History, Step, SuggestionChange, Undoable as _,
 };
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -38,10 +38,16 @@ impl StepEdit {
 
 impl History<Document> {
     /// Updates the history for an edit from `before` to `after` (both without suggestions), as the
-    /// history did in which the edit was made. An edit that is not a step, or does not fit its
+    /// history did in which the edit was made; `suggestions` is what it did to these. An edit that is not a step, or does not fit its
     /// step, clears the history if it changed the user's work, because nothing before it can be
     /// undone.
-    pub fn follow(&mut self, before: &Document, after: &Document, name: String, kind: EditKind) {
+    pub fn follow(
+        &mut self,
+        [before, after]: [&Document; 2],
+        suggestions: Vec<SuggestionChange>,
+        name: String,
+        kind: EditKind,
+    ) {
         // Undo and redo are done on a copy of the state before, and must lead to the state after.
         // If they do not, the steps of this history are not those of the edit, and none of them can
         // be trusted.
@@ -49,8 +55,12 @@ impl History<Document> {
         let is_followed = match kind {
             EditKind::NoStep => before.is_same_state(after),
             EditKind::Step { frame } => {
-                self.begin(before, Step { name, frame });
-                self.commit(after);
+                let step = Step {
+                    frame,
+                    ..Step::on_document(name)
+                };
+                self.begin(before, step);
+                self.commit_with(after, suggestions);
                 true
             }
             EditKind::Continued => {
@@ -58,7 +68,7 @@ impl History<Document> {
                 // if none was.
                 let last = self.next_undo().cloned();
                 let resumed = last.is_some_and(|step| self.resume(before, &step));
-                self.commit(after);
+                self.commit_with(after, suggestions);
                 resumed
             }
             EditKind::Undone => self.undo(&mut state).is_some() && state.is_same_state(after),

@@ -3,18 +3,23 @@
 //! affect it.
 
 use crate::document::{Document, Frame, FramePtz, FrameStatus, Shared, Solution};
+use serde::{Deserialize, Serialize};
 use touchline_core::camera::CameraBase;
 
 /// A camera that the program suggests for a frame, or the reason why it found none.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Suggestion {
     /// The revision of the frame that it was made for.
+    #[serde(skip)]
     pub revision: u64,
     /// The base of the frame's camera that it was made for; none where that camera had none.
+    #[serde(skip)]
     pub base: Option<CameraBase>,
     /// Pan, tilt and focal length; none where no camera was found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ptz: Option<FramePtz>,
     /// How it was found, or why none was found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solution: Option<Solution>,
 }
 

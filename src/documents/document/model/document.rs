@@ -5,7 +5,7 @@ use crate::document::{
 };
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
-use touchline_core::camera::PtzCamera;
+use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
@@ -153,6 +153,22 @@ impl Document {
         };
         self.cameras.push(copy.into());
         id
+    }
+
+    /// The name of a camera like another one, with this base: one of the document's, or a copy that
+    /// is added. None if the other one is not in the document.
+    pub fn camera_with_base(&mut self, like: &CameraId, base: &CameraBase) -> Option<CameraId> {
+        let mut wanted = self.camera(like)?.clone();
+        wanted.set_base(base);
+        let base = wanted.base();
+        let mut known = self.cameras.iter();
+        let known = known.find(|known| {
+            known.base() == base
+                && known.image_size == wanted.image_size
+                && known.field == wanted.field
+        });
+        let known = known.map(|known| known.id.clone());
+        Some(known.unwrap_or_else(|| self.add_copy(&wanted)))
     }
 
     /// The camera that took a frame.

@@ -3,8 +3,11 @@
 use super::adapters;
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
-use touchline_core::camera::{BaseAngles, PtzCamera};
-use touchline_core::geometry::Vec3;
+use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry::{Angle, Vec3};
+
+/// Less roll than this is none: the rounding of a recorded camera.
+const LEVEL_DEG: f64 = 1e-6;
 
 /// The camera that another program gave a frame, as it came.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -82,10 +85,37 @@ impl ImportedCamera {
     }
 }
 
+impl ImportedCamera {
+    /// The base of the camera, with principal point and lens of `like`, and pan, tilt and focal
+    /// length on it. Cameras without roll at one place have one base.
+    #[must_use]
+    pub fn on_base_of(&self, like: &CameraBase) -> (CameraBase, Ptz) {
+        let [heading, pitch, roll] =
+            [self.heading_deg, self.pitch_deg, self.roll_deg].map(Angle::from_degrees);
+        let is_level = self.roll_deg.abs() < LEVEL_DEG;
+        let (angles, pan_deg, tilt_deg) = if is_level {
+            (BaseAngles::default(), self.heading_deg, self.pitch_deg)
+        } else {
+            let angles = BaseAngles {
+                heading,
+                pitch,
+                roll,
+            };
+            (angles, 0.0, 0.0)
+        };
+        let base = CameraBase {
+            position_m: self.position_m,
+            base_from_world: angles.base_from_world(),
+            sigma: BaseSigma::default(),
+            ..*like
+        };
+        (base, Ptz::from_degrees(pan_deg, tilt_deg, self.focal_px))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{CameraBase, Ptz};
     use touchline_core::geometry::ImageSize;
 
     #[test]
@@ -104,6 +134,24 @@ mod tests {
             serde_json::from_str::<ImportedCamera>(&text).unwrap(),
             recorded
         );
+        // It is given back as it looked, with roll or without.
+        let lean = BaseAngles {
+            roll: Angle::from_degrees(2.0),
+            ..BaseAngles::default()
+        };
+        for base_from_world in [rotation, lean.base_from_world()] {
+            let base = CameraBase {
+                base_from_world,
+                ..base
+            };
+            let camera = PtzCamera::new(base, camera.ptz());
+            let recorded = ImportedCamera::new(&camera, None, None).unwrap();
+            let (base, ptz) = recorded.on_base_of(&base);
+            let again = PtzCamera::new(base, ptz);
+            let turned = again.cam_from_world() - camera.cam_from_world();
+            assert!(turned.abs().max() < 1e-9, "{turned}");
+            assert_eq!(again.base().position_m, camera.base().position_m);
+        }
         let nowhere = CameraBase {
             position_m: Vec3::new(f64::NAN, 0.0, 0.0),
             ..base

@@ -25,7 +25,10 @@ pub(super) const RECENT_BELOW: Command = Command::OpenQueue;
 /// Groups of commands that are submenus at the top of their menu. No menu is longer than twelve
 /// rows.
 const SUBMENUS: [(&str, &[Command]); 13] = [
-    ("Open other", &[Command::OpenDemo, Command::Orphans]),
+    (
+        "Open other",
+        &[Command::OpenDemo, Command::AddNewImages, Command::Orphans],
+    ),
     (
         "Points",
         &[

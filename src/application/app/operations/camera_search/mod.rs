@@ -109,7 +109,7 @@ impl Operation for CameraSearch {
     ) {
         match result {
             Ok(AutocalibrationAnswer::Found(found)) => {
-                app.camera_found(self.with_frame_ids(*found));
+                app.camera_found(&self.document, self.with_frame_ids(*found));
             }
             Ok(AutocalibrationAnswer::Two {
                 best,
@@ -237,8 +237,11 @@ impl App {
         }
     }
 
-    /// Uses a found camera, unless the camera has a base by now.
-    fn camera_found(&mut self, found: Arc<FoundCamera>) {
+    /// Uses a found camera, unless the camera has a base by now, or another field than `then`.
+    fn camera_found(&mut self, then: &Document, found: Arc<FoundCamera>) {
+        if self.refuses_other_field(then, &found.camera) {
+            return;
+        }
         // The user may have given the camera a base while the search ran. That base takes
         // precedence.
         let has_base = self
@@ -252,6 +255,18 @@ impl App {
             return;
         }
         self.use_found_camera(found);
+    }
+
+    /// Whether the camera's field has changed since the search began; shows a message if so.
+    fn refuses_other_field(&mut self, then: &Document, camera: &CameraId) -> bool {
+        let is_other = !self.has_field_of(then, camera);
+        if is_other {
+            let text =
+                "The field changed in the meantime; the camera that was found was discarded.";
+            self.session
+                .notify_with(Level::Info, text, [("Find it again", Command::FindCamera)]);
+        }
+        is_other
     }
 
     /// Writes a found camera and the cameras of its frames into the document; one step of undo.

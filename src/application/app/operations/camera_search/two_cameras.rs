@@ -23,6 +23,8 @@ const NEARER: f64 = 2.0;
 pub struct TwoCameras {
     /// The camera that explains more paint first.
     pub cameras: [Arc<FoundCamera>; 2],
+    /// The document when the search began.
+    then: Document,
     /// The click that would decide between them, if there is one.
     pub deciding: Option<DecidingClick>,
 }
@@ -86,6 +88,7 @@ impl TwoCameras {
         });
         Self {
             cameras: cameras.map(|found| search.with_frame_ids(found)),
+            then: search.document.clone(),
             deciding,
         }
     }
@@ -143,18 +146,22 @@ impl App {
             return;
         }
         // The choice is settled before the camera is used, or this would run again after it.
-        let found = Arc::clone(&two.cameras[which]);
+        let (found, then) = (Arc::clone(&two.cameras[which]), two.then.clone());
         self.operations.camera_search.left = SearchFollowUp::Nothing;
         self.session.retract(Command::TryFirstCamera);
         self.session.retract(Command::TryOtherCamera);
-        self.use_found_camera(found);
+        if !self.refuses_other_field(&then, &found.camera) {
+            self.use_found_camera(found);
+        }
     }
 
     /// Uses one of the two cameras; each attempt is one step of undo.
     pub(super) fn try_camera(&mut self, which: usize) {
         if let SearchFollowUp::Two(two) = &self.operations.camera_search.left {
-            let found = Arc::clone(&two.cameras[which]);
-            self.use_found_camera(found);
+            let (found, then) = (Arc::clone(&two.cameras[which]), two.then.clone());
+            if !self.refuses_other_field(&then, &found.camera) {
+                self.use_found_camera(found);
+            }
         }
     }
 }

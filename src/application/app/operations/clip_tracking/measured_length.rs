@@ -1,6 +1,7 @@
 //! The length of the field, measured while a clip is tracked: it is told to the user, who may take
 //! it over. A length that a person stated stays as it is.
 
+use crate::app::operations::as_it_was::AsItWas;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use touchline_calibration::calibrate::{BulkChange, LengthOnLines, take_length};
@@ -40,8 +41,9 @@ impl App {
             self.session.notify(Level::Warning, text);
             return;
         }
+        let then = self.open.as_ref().map(|open| (*open.document).clone());
         if let Some(last) = &mut self.operations.clip_tracking.last {
-            last.length = Some(found);
+            last.length = then.map(|then| (found, then));
         }
         self.session
             .notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
@@ -53,7 +55,18 @@ impl App {
         let (Some(open), Some(last)) = (&self.open, &self.operations.clip_tracking.last) else {
             return;
         };
-        let Some(found) = &last.length else { return };
+        let Some((found, then)) = &last.length else {
+            return;
+        };
+        let now = &open.document;
+        let since = AsItWas { then, now };
+        let mut cameras = found.shifts.iter().map(|(camera, _)| camera);
+        if !cameras.all(|camera| since.has_base_and_field(camera)) {
+            let text = "The base or the field changed in the meantime; the measured length was \
+                        discarded.";
+            let offers = [("Track again", Command::Track)];
+            return self.session.notify_with(Level::Info, text, offers);
+        }
         let mut numbers = open.document.clone();
         take_length(&mut numbers, found);
         let change = BulkChange::Numbers(Box::new(numbers));

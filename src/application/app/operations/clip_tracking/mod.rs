@@ -1,6 +1,6 @@
 //! Tracks cameras through the clip of the shown frame: from frames with a known camera to all
-//! others. The results are suggestions: like the forest's, they are kept apart from the users' work
-//! and are no step of undo.
+//! others. The results are suggestions: like the forest's, they are kept apart from the users' work.
+//! What a command of the user has tracked is a step of undo.
 //!
 //! When the user corrects and accepts one of the frames, the clip is tracked again; the points that
 //! were followed the first time are reused.
@@ -19,7 +19,7 @@ use crate::app::{App, Command};
 use std::sync::Arc;
 use touchline_calibration::calibrate::{ClipEvidence, LengthOnLines};
 use touchline_calibration::proposals::BatchId;
-use touchline_documents::document::FrameId;
+use touchline_documents::document::{Document, FrameId};
 use tracking::Cause;
 pub use tracking::ClipTracking;
 pub(super) use words::describe_progress;
@@ -38,8 +38,9 @@ struct LastTracking {
     evidence: Arc<ClipEvidence>,
     /// The batch of its suggestions.
     batch: BatchId,
-    /// The length of the field that its painted lines require, if the document states none.
-    length: Option<LengthOnLines>,
+    /// The length of the field that its painted lines require, if the document states none, and the
+    /// document in which it was measured.
+    length: Option<(LengthOnLines, Document)>,
 }
 
 impl ClipTrackingState {
@@ -83,7 +84,7 @@ impl App {
         let open = self.open.as_ref();
         let place = open.and_then(|open| open.document.frames.position_of(frame));
         if let Some(place) = place.filter(|_| self.why_not_follow_points().is_none()) {
-            self.track_clip_with(place, evidence, Cause::Command);
+            self.track_clip_with(place, evidence, Cause::Refined);
         }
     }
 

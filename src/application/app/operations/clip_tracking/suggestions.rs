@@ -1,17 +1,19 @@
 //! Tracked cameras as suggestions of the document: they are taken over in a batch of their own and
-//! discarded as one. Neither is a step of undo. Cameras that were tracked with another base or field
+//! discarded as one; both are steps of undo. Cameras that were tracked with another base or field
 //! are not taken over.
 
 use super::LastTracking;
-use super::tracking::{ClipTracking, TrackingOutcome};
+use super::tracking::{Cause, ClipTracking, TrackingOutcome};
 use super::words::{describe_followed, describe_tracked};
-use crate::app::operations::has_same_base_and_field;
+use crate::app::operations::as_it_was::AsItWas;
+use crate::app::operations::base_refinement::REFINED;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use touchline_calibration::proposals::{BatchId, Finder, suggest_tracked_clip};
+use touchline_documents::document::Step;
 
 impl App {
-    /// Takes over tracked cameras as suggestions; this is no step of undo.
+    /// Takes over tracked cameras as suggestions; one step of undo.
     pub(super) fn take_tracked_clip(
         &mut self,
         tracking: &ClipTracking,
@@ -23,7 +25,11 @@ impl App {
         let Some(open) = &mut self.open else { return };
         // The result is valid only for the base and the field with which it was tracked.
         let camera = &tracking.document.frames[tracking.frame].camera;
-        if !has_same_base_and_field(&open.document, &tracking.document, camera) {
+        let since = AsItWas {
+            then: &tracking.document,
+            now: &open.document,
+        };
+        if !since.has_base_and_field(camera) {
             let text = "The base or the field changed in the meantime; the tracked cameras were \
                         discarded.";
             self.session.notify(Level::Info, text);
@@ -52,7 +58,20 @@ impl App {
             batch,
             length: None,
         });
-        if let Some(edit) = open.suggest(batch, &suggest_tracked_clip(&open.document, &taken)) {
+        let updates = suggest_tracked_clip(&open.document, &taken);
+        // Tracking again after a correction is no command of the user.
+        let edit = match tracking.cause {
+            Cause::Correction | Cause::Drag => open.suggest(batch, &updates),
+            Cause::Command => {
+                open.suggest_as_step(Step::on_document(Command::Track.name()), batch, &updates)
+            }
+            Cause::Refined => {
+                // One undo takes back the base and the cameras tracked with it.
+                open.resume(&Step::on_document(REFINED));
+                open.suggest_as_step(Step::on_document(REFINED), batch, &updates)
+            }
+        };
+        if let Some(edit) = edit {
             self.journal_edit(edit);
         }
         self.session.retract(Command::DiscardTracked);
@@ -97,7 +116,7 @@ impl App {
             .as_ref()
             .map(|last| last.batch)
         {
-            self.discard_batch(batch);
+            self.ask_discard_batch(batch);
         }
     }
 
@@ -113,7 +132,6 @@ impl App {
 #[cfg(test)]
 mod tests {
     use super::super::tests::app;
-    use super::super::tracking::Cause;
     use super::*;
     use crate::app::{Action, EditAction};
     use std::sync::Arc;

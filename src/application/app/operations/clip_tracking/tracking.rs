@@ -3,6 +3,7 @@
 
 use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::operations::as_it_was::AsItWas;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
@@ -31,8 +32,10 @@ pub struct ClipTracking {
 /// Why a clip is tracked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
-    /// The user started it, or the base was just refined on the clip.
+    /// The user started it.
     Command,
+    /// The base was just refined on the clip.
+    Refined,
     /// The clip was tracked before, and the user corrected one of its frames.
     Correction,
     /// The user corrects a suggestion by dragging a point, a drawn line or a landmark: only the
@@ -131,11 +134,20 @@ impl ClipTracking {
     /// The part of a tracked clip that still applies to the document `now`. Frames are found by
     /// their ids; frames that users have changed since are left out.
     pub(super) fn still_open_in(&self, now: &Document, tracked: TrackedClip) -> TrackedClip {
+        let since = AsItWas {
+            then: &self.document,
+            now,
+        };
+        // The shot may have been divided since: what lies behind the cut is of another camera.
+        let here = self.document.frames.get(self.frame);
+        let shot = here.and_then(|here| Some(now.frames.by_id(&here.id)?.clip.clone()));
         // `of.place` is a position in the document that was tracked.
         let frames = tracked.frames.iter().filter_map(|of| {
             let then = self.document.frames.get(of.place)?;
-            let place = now.frames.position_of(&then.id)?;
-            now.frames[place].is_open().then(|| TrackedFrame {
+            let place = since.untouched(&then.id)?;
+            let frame = &now.frames[place];
+            let is_in_shot = shot.as_ref().is_none_or(|shot| *shot == frame.clip);
+            (frame.is_open() && is_in_shot).then(|| TrackedFrame {
                 place,
                 ..of.clone()
             })

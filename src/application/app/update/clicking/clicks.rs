@@ -6,6 +6,9 @@ use crate::app::window_state::session::{Level, Mode};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_documents::document::{Click, FrameStatus};
 
+/// The name of the step of undo that places a click.
+const PLACE_POINT: &str = "Place point";
+
 impl App {
     /// Handles the pressed button at `at` (px of the picture), over the click `on` if any. During a
     /// blind round it places a blind click.
@@ -74,7 +77,7 @@ impl App {
         click.check = tool == Tool::Check;
         // The step stays open until the button is released: the drag belongs to it.
         let (placed, named) = (click.target.is_none(), click.target.clone());
-        if !self.begin("Place point") {
+        if !self.begin(PLACE_POINT) {
             return;
         }
         let Some(frame) = self.frame_mut() else {
@@ -94,6 +97,16 @@ impl App {
         if let Some(target) = named {
             self.warn_of_unmarked(&target);
         }
+    }
+
+    /// Whether placing a click of the shown frame was the last step.
+    pub(in crate::app::update) fn is_placed_last(&self, click: usize) -> bool {
+        let (Some(open), Some(frame)) = (&self.open, self.frame()) else {
+            return false;
+        };
+        let last = open.history.next_undo();
+        last.is_some_and(|step| step.name == PLACE_POINT && step.frame.as_ref() == Some(&frame.id))
+            && click + 1 == frame.clicks.len()
     }
 
     /// Handles the pointer moved with the button down.

@@ -228,7 +228,11 @@ impl App {
         let step = self.step_at(self.step_again(target), target.frame);
         let Some(open) = &mut self.open else { return };
         // If the user has made other steps since, they must not be undone for this.
-        if open.history.next_undo() == Some(&step) {
+        if open
+            .history
+            .next_undo()
+            .is_some_and(|last| last.is_alike(&step))
+        {
             open.undo(true);
             self.journal(&format!("Undone: {}", step.name), EditKind::Undone);
             return;

@@ -3,11 +3,16 @@
 use crate::app::App;
 use crate::app::effect::Effect;
 use crate::app::trainer::TrainerOrder;
-use crate::app::window_state::session::Level;
+use crate::app::window_state::session::{Dialog, Level};
 use touchline_calibration::calibrate::follow_all_bases;
 use touchline_calibration::proposals::{BatchId, Discarded, NoProposal, Proposal, TrackedProposal};
 use touchline_core::geometry::pluralise;
-use touchline_documents::document::Frame;
+use touchline_documents::document::{Frame, Step};
+
+/// At most this many frames lose their suggestions without a question.
+const UNASKED: usize = 50;
+/// The name of the step of undo.
+const DISCARD: &str = "Discard a batch of suggestions";
 
 impl App {
     /// Takes in proposals as suggestions; they are journalled but are no step of undo. Proposals of
@@ -66,6 +71,9 @@ impl App {
         if !self.frame().is_some_and(Frame::shows_suggestion) {
             return Some("Nothing is suggested for this frame.");
         }
+        if self.frame().is_some_and(Frame::has_imported_camera) {
+            return Some("This camera was imported: there is nothing that it replaced.");
+        }
         self.shown_batch()
             .is_none()
             .then_some("Its batch of suggestions is gone.")
@@ -80,16 +88,33 @@ impl App {
     pub(in crate::app::update) fn discard_shown_batch(&mut self) {
         self.commit_open_step();
         if let Some(batch) = self.shown_batch() {
+            self.ask_discard_batch(batch);
+        }
+    }
+
+    /// Discards a batch of suggestions, or asks first if it is large.
+    pub(in crate::app) fn ask_discard_batch(&mut self, batch: BatchId) {
+        let Some(open) = &self.open else { return };
+        let frames = open.project.frames_showing(batch);
+        if frames > UNASKED {
+            self.session.dialog = Some(Dialog::DiscardBatch { batch, frames });
+        } else {
             self.discard_batch(batch);
         }
     }
 
-    /// Discards a batch of suggestions in the frames that users have not changed since, and reports
-    /// the result.
-    pub(in crate::app) fn discard_batch(&mut self, batch: BatchId) {
+    /// Discards a batch of suggestions in the frames that users have not changed since, as one step
+    /// of undo, and reports the result.
+    pub(in crate::app::update) fn discard_batch(&mut self, batch: BatchId) {
+        self.session.dialog = None;
+        if self.refuses_changes() {
+            return;
+        }
+        self.commit_open_step();
         let newest_forest = self.newest_forest();
         let Some(open) = &mut self.open else { return };
-        let discarded = open.discard_batch(batch, newest_forest);
+        let step = Step::on_document(DISCARD);
+        let discarded = open.discard_batch(step, batch, newest_forest);
         let text = describe_discarded(&discarded);
         // The trainer must not propose the same again.
         if let Some(refused) = discarded.refused {

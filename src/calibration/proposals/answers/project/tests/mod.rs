@@ -150,10 +150,10 @@ impl Desk {
         } else {
             self.history.redo(&mut edited)
         };
-        self.project.keep_answers_not_in(&edited);
-        self.now = self.project.view_with(&edited);
+        let Some(step) = step else { return false };
+        self.now = self.project.view_after(&edited, &step, back);
         self.take_in();
-        step.is_some()
+        true
     }
 
     fn accept(&mut self, position: usize) {

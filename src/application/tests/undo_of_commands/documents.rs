@@ -1,0 +1,126 @@
+//! The documents on which the commands are done: the demo match, with its pictures.
+
+use std::path::{Path, PathBuf};
+use touchline_core::camera::Ptz;
+use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_documents::document::{
+    Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, ShotKind, Solution, SolutionSource,
+    VideoFrame, VideoShots, document_from_bytes,
+};
+
+fn demo_folder() -> PathBuf {
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects/demo");
+    std::fs::canonicalize(demo).unwrap()
+}
+
+/// A document of the demo match, with its pictures where they are.
+fn read(name: &str) -> Document {
+    let folder = demo_folder();
+    let mut document = document_from_bytes(&std::fs::read(folder.join(name)).unwrap()).unwrap();
+    for frame in &mut document.frames {
+        let image = folder.join(frame.image.as_ref().unwrap());
+        frame.image = Some(image.to_string_lossy().into_owned());
+    }
+    document
+}
+
+/// References with their clicks, and frames that nobody has looked at.
+pub fn demo() -> Document {
+    read("project.json")
+}
+
+/// The same before anything is accepted.
+pub fn drafts() -> Document {
+    let mut document = demo();
+    for frame in &mut document.frames {
+        if frame.status == FrameStatus::Reference {
+            frame.status = FrameStatus::Draft;
+        }
+    }
+    document
+}
+
+/// Every frame has a camera, turned by some degrees, as a draft.
+pub fn turned(turned_deg: f64) -> Document {
+    with_cameras(turned_deg, FrameStatus::Draft, SolutionSource::Manual)
+}
+
+/// Every frame has a camera that is suggested.
+pub fn suggested() -> Document {
+    with_cameras(0.0, FrameStatus::Suggested, SolutionSource::Forest)
+}
+
+/// Every frame has the camera of another program, a little off.
+pub fn imported() -> Document {
+    with_cameras(0.2, FrameStatus::Suggested, SolutionSource::Import)
+}
+
+fn with_cameras(turned_deg: f64, status: FrameStatus, source: SolutionSource) -> Document {
+    let mut document = demo();
+    let truth = read("truth.json");
+    for (frame, truth) in document.frames.iter_mut().zip(&truth.frames) {
+        let ptz = truth.ptz.as_ref().unwrap().ptz();
+        let ptz = Ptz::from_degrees(
+            ptz.pan.degrees() + turned_deg,
+            ptz.tilt.degrees(),
+            ptz.focal_px,
+        );
+        frame.clicks.clear();
+        frame.status = status;
+        frame.ptz = Some(FramePtz::new(ptz, None));
+        frame.solution = Some(Solution {
+            source: Some(source),
+            confidence: (source == SolutionSource::Forest).then_some(0.99),
+            ..Solution::default()
+        });
+    }
+    document
+}
+
+/// Nothing is known of the camera, and nothing is clicked.
+pub fn blank() -> Document {
+    let mut document = demo();
+    let camera = &mut document.cameras[0];
+    (camera.position_m, camera.base_from_world) = (None, None);
+    for frame in &mut document.frames {
+        (frame.ptz, frame.solution, frame.status) = (None, None, FrameStatus::New);
+        frame.clicks.clear();
+    }
+    document
+}
+
+/// The base stands a metre beside the truth.
+pub fn displaced() -> Document {
+    let mut document = demo();
+    let mut base = document.cameras[0].base().unwrap();
+    base.position_m += Vec3::new(1.0, 0.0, 0.5);
+    document.cameras[0].set_base(&base);
+    document
+}
+
+/// The camera is known, and nothing is clicked.
+pub fn unseen() -> Document {
+    let mut document = demo();
+    for frame in &mut document.frames {
+        (frame.ptz, frame.solution, frame.status) = (None, None, FrameStatus::New);
+        frame.clicks.clear();
+    }
+    document
+}
+
+/// Thirty frames of a video with three shots.
+pub fn video() -> Document {
+    let size = ImageSize::new(64, 36);
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document
+        .cameras
+        .push(Camera::new("main".into(), size).into());
+    for index in 0..30 {
+        let video = VideoFrame::new("match.mp4", index, Some(index as f64 / 25.0));
+        let frame = Frame::from_video(video, "main".into(), size);
+        document.frames.push(frame.into());
+    }
+    let cuts = [(10, ShotKind::Cut), (20, ShotKind::Fade)];
+    VideoShots::from_cuts(&document, "match.mp4", 29, &cuts).write(&mut document);
+    document
+}
