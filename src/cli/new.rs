@@ -11,7 +11,9 @@ use touchline_core::geometry::pluralise;
 use touchline_documents::document::{
     FieldSpec, FolderChanges, Frame, Step, document_from_frames, resolve_path,
 };
-use touchline_documents::store::{self, Access, Location, Opened, PROJECT_FILE, refuse_other_file, write_document};
+use touchline_documents::store::{
+    self, Access, Location, Opened, PROJECT_FILE, refuse_other_file, write_document,
+};
 use touchline_vision::media::FrameSource;
 
 /// Makes a project from a folder of images or a video. The frames stay where they are. A project
