@@ -36,6 +36,11 @@ pub struct PyDocument {
     reader: Mutex<KeptVideo>,
 }
 
+/// What the files of a document hold; none where they cannot be read.
+fn files_now(path: &Path) -> Option<FilesRead> {
+    FilesRead::now(&Location::find(path).ok()?).ok()
+}
+
 /// Reads a document: a project folder, its `project.json`, or a dataset file. Edits in its journal
 /// are included, with a warning that says so; nothing is written.
 #[pyfunction]
@@ -75,7 +80,7 @@ impl PyDocument {
             before: document.clone(),
             document,
             folder,
-            files: None,
+            files: file.as_deref().and_then(files_now),
             file,
             reader: Mutex::default(),
         }
@@ -152,9 +157,9 @@ impl PyDocument {
             None => None,
         };
         let files = match files {
-            Some(files) => files,
+            Some(files) => Some(files),
             None => store::write_document(&location, &written, overwrite)
-                .and_then(|()| FilesRead::now(&location))
+                .map(|()| FilesRead::now(&location).ok())
                 .map_err(failure)?,
         };
         // A document of no file moves to the first one. A copy elsewhere changes neither place nor
@@ -166,7 +171,7 @@ impl PyDocument {
         }
         // A copy elsewhere says nothing of the document's own file.
         if self.file.as_deref() == Some(location.file()) {
-            self.files = Some(files);
+            self.files = files;
         }
         self.before = document.clone();
         self.document = document;

@@ -49,8 +49,9 @@ impl OtherPictures {
             }
         }
         let first = others.first()?.name();
-        (2 * others.len() > known).then(|| Self {
-            count: others.len(),
+        let count = others.len();
+        (2 * count > known).then_some(Self {
+            count,
             known,
             first,
         })

@@ -223,7 +223,7 @@ mod tests {
             .collect();
         let padding = format!("\"padding\": \"{}\",", " ".repeat(5000));
         for (content, is_replaced) in [
-            ("".to_owned(), true),
+            (String::new(), true),
             (written[..written.len() / 2].to_owned(), true),
             (format!("{{{}}}", reversed.join(",")), true),
             (written.replacen('{', &format!("{{{padding}"), 1), true),
