@@ -17,9 +17,18 @@ use serde_json::Map;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
-/// Whether two frames are known to be of different pictures: their SHA-256 differ.
+/// What recognises the pictures of two frames wherever their files lie, where both have it: the
+/// SHA-256 of the images, else the identities of the videos.
+fn picture_ids<'a>(one: &'a Frame, other: &'a Frame) -> Option<[&'a str; 2]> {
+    let video_of = |frame: &'a Frame| frame.video.as_ref()?.file_id.as_deref();
+    let images = one.sha256.as_deref().zip(other.sha256.as_deref());
+    let (one, other) = images.or_else(|| video_of(one).zip(video_of(other)))?;
+    Some([one, other])
+}
+
+/// Whether two frames are known to be of different pictures.
 fn has_other_picture(one: &Frame, other: &Frame) -> bool {
-    matches!((&one.sha256, &other.sha256), (Some(one), Some(other)) if one != other)
+    picture_ids(one, other).is_some_and(|[one, other]| !one.eq_ignore_ascii_case(other))
 }
 
 /// Frames of a version whose pictures are other ones than those of the document under their ids.
@@ -39,7 +48,7 @@ impl OtherPictures {
     pub(super) fn find(base: &Document, version: &Document) -> Option<Self> {
         let pairs = version.frames.iter().filter_map(|theirs| {
             let ours = base.frames.by_id(&theirs.id)?;
-            (ours.sha256.is_some() && theirs.sha256.is_some()).then_some((ours, theirs))
+            picture_ids(ours, theirs).map(|_| (ours, theirs))
         });
         let (mut others, mut known) = (Vec::new(), 0);
         for (ours, theirs) in pairs {
