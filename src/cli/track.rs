@@ -280,14 +280,16 @@ fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
 
 fn describe_length(found: &LengthOnLines) -> String {
     let FittedSize {
+        name,
         assumed_m,
         value_m,
         sigma_m,
         ..
-    } = found.size;
+    } = &found.size;
     let seen = format!(
-        "the painted lines of {} indicate a length of {value_m:.2} ± {sigma_m:.2} m",
-        pluralise(found.frames, "frame")
+        "the painted lines of {} indicate a {} of {value_m:.2} ± {sigma_m:.2} m",
+        pluralise(found.frames, "frame"),
+        name.trim_end_matches("_m")
     );
     if found.is_prescribed {
         format!("{seen}; {assumed_m} m is stated, and stays")

@@ -1,6 +1,6 @@
 //! The prior on the field: its size, or the sizes that the rules allow.
 
-use crate::calibrate::OpenSize;
+use crate::calibrate::{AutocalibratedCamera, OpenSize};
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::solve::base::{
@@ -9,28 +9,34 @@ use touchline_core::solve::base::{
 };
 use touchline_documents::document::{CROWN, CameraId, DocumentAt, FieldSize};
 
-/// Lengths within this distance of the assumed one are usual, in 1-σ of the prior: a soccer pitch
+/// 1-σ of usual sizes as a share of the prior's: 2.5 m for the length of a soccer pitch, 3.75 m for
+/// its width. Without a click a line can be taken for another one, so that unusual sizes have to be
+/// stated.
+const USUAL_SHARE: f64 = 1.0 / 3.0;
+
+/// Lengths within this distance of the assumed one are usual, in 1-σ of usual sizes: a soccer pitch
 /// of 97.5 to 112.5 m by 57 to 79 m. A size that is not stated is searched among these alone. On a
 /// drawn clip whose far touchline is thinner than a pixel, the foot of the boards 10 m behind it
 /// was taken for the touchline while all sizes that the rules allow were searched: 88.8 ± 0.3 m.
 const USUAL_SIGMAS: f64 = 3.0;
 
-/// A length this near to a limit of what is usual was stopped by it, m.
-const AT_LIMIT_M: f64 = 0.3;
+/// A length this near to a limit of what is usual was stopped by it, in 1-σ of usual sizes: 0.3 m
+/// for the length of a soccer pitch.
+const AT_LIMIT_SIGMAS: f64 = 0.12;
 
 /// The search starts from the assumed size and from sizes that differ from it by this share of the
 /// range that is usual. A fit of the size converges from half that far.
 const LEVEL_SHARE: f64 = 0.25;
 
-/// Step between neighbouring sizes, m.
-const STEP_M: f64 = 2.5;
+/// Step between neighbouring sizes, in 1-σ of usual sizes: 2.5 m for the length of a soccer pitch.
+const STEP_SIGMAS: f64 = 1.0;
 
 /// A length of a field that the rules leave open, m.
 pub(super) struct OpenLength {
     /// Its name in documents.
     pub name: String,
     pub value_m: f64,
-    /// Mean and 1-σ of the prior, m.
+    /// Mean and 1-σ of usual sizes, m.
     pub assumed_m: f64,
     pub sigma_m: f64,
 }
@@ -38,7 +44,7 @@ pub(super) struct OpenLength {
 impl OpenLength {
     /// Whether it reaches or exceeds the limit of what is usual.
     pub fn is_unusual(&self) -> bool {
-        (self.value_m - self.assumed_m).abs() > USUAL_SIGMAS * self.sigma_m - AT_LIMIT_M
+        (self.value_m - self.assumed_m).abs() > (USUAL_SIGMAS - AT_LIMIT_SIGMAS) * self.sigma_m
     }
 }
 
@@ -64,8 +70,9 @@ impl FieldPrior {
         }
         let is_known = !matches!(spec.size(), FieldSize::Assumed | FieldSize::Fitted);
         let mut open = OpenSize::new(spec.template(document.folder)?, &assumed);
-        if !is_known {
-            for param in &mut open.params {
+        for param in &mut open.params {
+            param.sigma_m *= USUAL_SHARE;
+            if !is_known {
                 let reach_m = USUAL_SIGMAS * param.sigma_m;
                 param.min_m = param.min_m.max(param.assumed_m - reach_m);
                 param.max_m = param.max_m.min(param.assumed_m + reach_m);
@@ -111,10 +118,10 @@ impl FieldPrior {
         let params = open.params_of(field);
         let here: Vec<f64> = params.iter().map(|param| param.assumed_m).collect();
         let steps =
-            (0..here.len()).flat_map(|param| [-STEP_M, STEP_M].map(|step_m| (param, step_m)));
-        let moved = steps.filter_map(|(param, step_m)| {
+            (0..here.len()).flat_map(|param| [-STEP_SIGMAS, STEP_SIGMAS].map(|by| (param, by)));
+        let moved = steps.filter_map(|(param, by)| {
             let mut moved = here.clone();
-            moved[param] += step_m;
+            moved[param] += by * params[param].sigma_m;
             let allowed = params[param].min_m..=params[param].max_m;
             allowed
                 .contains(&moved[param])
@@ -124,21 +131,26 @@ impl FieldPrior {
         moved.collect()
     }
 
-    /// A field with the assumed value of each length that its frames do not show.
-    pub fn with_open_as_assumed(
-        &self,
-        field: &FieldModel,
-        sizes: &[FittedSize],
-    ) -> Option<FieldModel> {
-        let value = |size: &FittedSize| {
+    /// Gives a camera's field the assumed value of each length that its frames do not show, as it is
+    /// recorded, and moves the camera with what they show.
+    pub fn assume_open_lengths(&self, camera: &mut AutocalibratedCamera) {
+        let stated = |size: &FittedSize| {
             if size.is_open {
                 size.assumed_m
             } else {
                 size.value_m
             }
         };
-        let values: Vec<f64> = sizes.iter().map(value).collect();
-        self.resize(field, &values)
+        let values: Vec<f64> = camera.sizes.iter().map(stated).collect();
+        let has_open = camera.sizes.iter().any(|size| size.is_open);
+        let Some(field) = self.resize(&camera.field, &values).filter(|_| has_open) else {
+            return;
+        };
+        camera.field = field;
+        for size in camera.sizes.iter_mut().filter(|size| size.is_open) {
+            camera.base.position_m += size.position_shift_m(size.assumed_m);
+            size.value_m = size.assumed_m;
+        }
     }
 
     /// A field with other lengths, in their order, and its own crown.

@@ -31,12 +31,11 @@ pub use base::base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, camera_alone, describe_mirrored,
 };
 pub use base::base_on_paint::{BaseOnPaint, PictureOf, PulledFrames, estimate_on_paint};
-pub(crate) use base::field_size::set_size;
 pub use base::follow_base::follow_all_bases;
 pub(crate) use base::follow_base::withdraw;
 pub(crate) use base::known_frames::{KnownFrames, PaintEstimate};
-pub(crate) use base::length_on_lines::LENGTH_UNSEEN;
-pub use base::length_on_lines::{LengthOnLines, length_on_lines, take_length};
+pub(crate) use base::measured_length::LENGTH_UNSEEN;
+pub use base::measured_length::{LengthOnLines, take_length};
 pub use base::on_paint::{BasePaintAlignment, BasePaintEvidence, OnPaintErrors};
 pub use base::own_cameras::{OwnCameraError, OwnCameras, give_own_cameras};
 pub(crate) use base::paint_observations::{AT_ONCE, KnownCameras};
@@ -44,7 +43,9 @@ pub use base::paint_observations::{BaseOnPaintError, FRAMES_FOR_PAINT};
 pub(crate) use base::refit::{ground_moved_px, ptz_on_base};
 pub(crate) use base::size_fit::OpenSize;
 pub use base::size_fit::describe_size;
-pub(crate) use base::size_on_paint::{ALONE_SIGMA_M, OpenField, as_paint_alone_gives};
+pub(crate) use base::size_on_paint::{
+    ALONE_OPEN_SHARE, OpenField, alone_sigma_m, as_paint_alone_gives,
+};
 pub use base_change::{CameraChange, camera_change};
 pub use base_readiness::{
     BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base, points_alone,

@@ -8,7 +8,7 @@
 use crate::calibrate::{
     BaseEstimationError, BasePaintEvidence, BaseProblem, ClipEvidence, ClipFrames, ClipProgress,
     ClipSpan, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, estimate_on_paint,
-    length_on_lines, record_tracked, take_length, track_clip,
+    record_tracked, take_length, track_clip,
 };
 use crate::proposals::read_picture;
 use std::collections::{BTreeMap, BTreeSet};
@@ -113,6 +113,7 @@ pub fn track_clips(
         options,
         evidence,
         progress,
+        lengths: Vec::new(),
     };
     // The document before a pass. Every pass starts from it, because tracked cameras must not
     // constrain the next pass.
@@ -123,7 +124,7 @@ pub fn track_clips(
     if frames.is_stopped || frames.tracked == 0 {
         return Ok(frames);
     }
-    if tracking.take_shown_length(document, &mut known)? {
+    if tracking.take_shown_lengths(document, &mut known) {
         frames = tracking.pass(document)?;
     }
     if options.refine_base {
@@ -167,6 +168,8 @@ struct Tracking<'a> {
     options: &'a TrackingOptions,
     evidence: &'a mut [ClipEvidence],
     progress: &'a Progress<'a, TrackingEvent>,
+    /// The lengths of fields that the last pass found to be others than assumed.
+    lengths: Vec<LengthOnLines>,
 }
 
 impl Tracking<'_> {
@@ -175,6 +178,7 @@ impl Tracking<'_> {
         let known = document.clone();
         let fields = Fields::from_document(known.at(self.folder))?;
         let mut frames = TrackedFrames::default();
+        self.lengths.clear();
         for (index, clip) in self.clips.iter().enumerate() {
             let first = clip
                 .frames
@@ -210,6 +214,7 @@ impl Tracking<'_> {
                     record_tracked(document, &tracked);
                     frames.tracked += tracked.frames.len();
                     frames.missed += tracked.missed.len();
+                    self.lengths.extend_from_slice(&tracked.lengths);
                     TrackingEvent::Tracked(span, Box::new(tracked))
                 }
                 Err(TrackClipError::Stopped) => break,
@@ -246,32 +251,37 @@ impl Tracking<'_> {
         }
     }
 
-    /// Measures the length of the field if the tracked frames contradict it, and adopts it in the
-    /// document as it was before tracking, unless the user prescribes the length. True if the clips
-    /// have to be tracked again.
-    fn take_shown_length(
-        &mut self,
-        document: &mut Document,
-        known: &mut Document,
-    ) -> Result<bool, FieldError> {
-        let (reader, folder) = (&mut *self.reader, self.folder);
-        let found = length_on_lines(document.at(folder), &mut |frame: &Frame| {
-            read_picture(&mut *reader, frame, folder).ok()
-        })?;
-        let Some(found) = found else {
-            return Ok(false);
-        };
-        if self
-            .progress
-            .report(TrackingEvent::Length(found.clone()))
-            .is_break()
-            || found.is_prescribed
-        {
-            return Ok(false);
+    /// Adopts the lengths of fields that the tracked frames require, in the document as it was
+    /// before tracking, unless the user prescribes them. Of several clips with one field, the one that
+    /// shows a length in most frames decides. True if the clips have to be tracked again.
+    fn take_shown_lengths(&mut self, document: &mut Document, known: &mut Document) -> bool {
+        let mut lengths = std::mem::take(&mut self.lengths);
+        lengths.sort_by_key(|found| std::cmp::Reverse(found.frames));
+        let mut taken: Vec<LengthOnLines> = Vec::new();
+        for found in lengths {
+            let is_taken = |other: &LengthOnLines| {
+                let mut cameras = other.shifts.iter().map(|(camera, _)| camera);
+                let camera = found.shifts.first().map(|(camera, _)| camera);
+                other.size.name == found.size.name && cameras.any(|it| Some(it) == camera)
+            };
+            if taken.iter().any(is_taken) {
+                continue;
+            }
+            let event = TrackingEvent::Length(found.clone());
+            if self.progress.report(event).is_break() {
+                return false;
+            }
+            if !found.is_prescribed {
+                taken.push(found);
+            }
         }
-        take_length(known, &found);
-        document.clone_from(known);
-        Ok(true)
+        for found in &taken {
+            take_length(known, found);
+        }
+        if !taken.is_empty() {
+            document.clone_from(known);
+        }
+        !taken.is_empty()
     }
 
     /// Refines the bases on the paint of all tracked frames and tracks again, until no base

@@ -19,4 +19,3 @@ mod burnt_in;
 mod checked_documents;
 mod coarse_to_fine;
 mod document;
-mod unseen_length;

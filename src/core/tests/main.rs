@@ -13,6 +13,7 @@ mod seeded;
 
 mod bad_fields;
 mod base_truth;
+mod field_size;
 mod fields;
 mod identity;
 mod lines_truth;

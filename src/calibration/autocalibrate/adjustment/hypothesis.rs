@@ -131,20 +131,6 @@ impl Hypothesis {
         }
     }
 
-    /// The hypothesis with its open lengths taken as they were found; none if it has none.
-    ///
-    /// A length that is known to 0.5 m or worse counts as open, and a refinement starts from the
-    /// assumed one, to which the base does not belong. Drawn clip 19 of the bowl (lengths to 0.87 and
-    /// 0.52 m): of 27 frames that agreed before, 7 did after it.
-    pub fn with_open_lengths_as_found(&self) -> Option<Self> {
-        let mut found = self.clone();
-        let mut has_open = false;
-        for size in &mut found.camera.sizes {
-            has_open |= std::mem::take(&mut size.is_open);
-        }
-        has_open.then_some(found)
-    }
-
     /// The product of explained paint and visible lines, 0 to 1.
     pub fn score(&self) -> f64 {
         self.camera.evidence.score()
@@ -209,7 +195,6 @@ mod tests {
     use crate::autocalibrate::rotating_camera::{
         base, frames_at_scale, hypothesis, matched_views, paint, ptz, soccer,
     };
-    use touchline_core::solve::base::FittedSize;
 
     #[test]
     fn base_and_frames_are_found_again_from_beside() {
@@ -261,24 +246,6 @@ mod tests {
         assert!(off_m < 0.2, "{off_m:.2} m");
         let length_m = settled.camera.field.length_m;
         assert!((length_m - 105.0).abs() < 0.2, "{length_m:.2} m");
-    }
-
-    #[test]
-    fn open_lengths_can_be_taken_as_they_were_found() {
-        let mut of_size = hypothesis(&soccer().assumed);
-        assert!(of_size.with_open_lengths_as_found().is_none());
-        let size = |name: &str, is_open: bool| FittedSize {
-            name: name.to_owned(),
-            assumed_m: 105.0,
-            value_m: 106.3,
-            sigma_m: 0.9,
-            position_sigma_m: Vec3::zeros(),
-            is_open,
-        };
-        of_size.camera.sizes = vec![size("length_m", true), size("width_m", false)];
-        let found = of_size.with_open_lengths_as_found().unwrap();
-        let all_found = vec![size("length_m", false), size("width_m", false)];
-        assert_eq!(found.camera.sizes, all_found);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, renumber_matches};
 use crate::autocalibrate::search::pitch_map::PitchMap;
 use crate::autocalibrate::search::pose::angular_scale;
-use crate::calibrate::{ALONE_SIGMA_M, as_paint_alone_gives};
+use crate::calibrate::{alone_sigma_m, as_paint_alone_gives};
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, Vec3, median};
@@ -250,9 +250,9 @@ pub fn adjust_jointly(
         base.sigma = base
             .sigma
             .covering(&(half * half.transpose()))
-            .with_position_error_of(ALONE_SIGMA_M);
+            .with_position_error_of(alone_sigma_m(&field));
     }
-    as_paint_alone_gives(&mut sizes);
+    as_paint_alone_gives(&mut sizes, &field);
     let parts_m = parts.map_or(f64::INFINITY, |apart_m| apart_m.norm());
     Some(JointAdjustment {
         base,

@@ -13,7 +13,7 @@ use crate::autocalibrate::progress::report;
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{
     AutocalibratedCamera, AutocalibratedFrame, BaseOnPaintError, BaseProblem, KnownCameras,
-    KnownFrames, OpenField, PaintEstimate, covariance_on_paint, set_size,
+    KnownFrames, OpenField, PaintEstimate, covariance_on_paint,
 };
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
@@ -116,7 +116,12 @@ pub fn refine_base(
 /// The field of the document's camera, with the size and the crown of the hypothesis.
 fn found_field(document: &Document, camera: &CameraId, found: &AutocalibratedCamera) -> FieldSpec {
     let mut spec = document.field_of_camera(camera).clone();
-    set_size(&mut spec, &found.sizes);
+    // Lengths that its frames hardly show, too: the base belongs to them.
+    let lengths = found
+        .sizes
+        .iter()
+        .map(|size| (size.name.clone(), size.value_m));
+    spec.params.extend(lengths);
     spec.set_crown_m(found.field.crown_m);
     spec
 }
@@ -144,9 +149,7 @@ fn with_base(
     base.sigma = base.sigma.covering(&(error_m * error_m.transpose()));
     for (size, before) in sizes.iter_mut().zip(&before.sizes) {
         size.assumed_m = before.assumed_m;
-        size.sigma_m = size
-            .sigma_m
-            .max(SIGMA_OF_CHANGE * (size.value_m - before.value_m).abs());
+        size.cover_error(SIGMA_OF_CHANGE * (size.value_m - before.value_m).abs());
     }
     // A size that finds less of the paint is not taken; the field keeps that of the hypothesis.
     if sizes.is_empty() {

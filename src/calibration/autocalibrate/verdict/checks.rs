@@ -11,7 +11,7 @@ use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::search::clicked::GroundClick;
 use crate::autocalibrate::{Abstention, Doubt};
-use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
+use crate::calibrate::{ALONE_OPEN_SHARE, AutocalibratedCamera, AutocalibratedFrame};
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::Vec3;
 use touchline_core::solve::base::FittedSize;
@@ -65,12 +65,6 @@ const CONFIRMING_APART_M: f64 = 20.0;
 /// a field 2.2 m too short, had both clicks on their landmarks and three lines in the mean (drawn
 /// clip 9 of the bowl); right ones had five and eight.
 pub const MIN_LINES_WITH_CLICKS: usize = 5;
-
-/// A length of the field that the frames show is known to this 1-σ at worst, m. It is larger where
-/// the coarse paint and the frames' own pictures, or one fit and the next, give other lengths: of
-/// drawn clip 9 of the bowl 103.6 and 115.6 m (104.4 m is right), and 24 of 30 frames agreed with
-/// the latter. Of right cameras it was 0.67 m at most.
-const MAX_SIZE_SIGMA_M: f64 = 1.0;
 
 /// Abstains, with the reasons to reject the best candidate.
 pub fn uncertain(doubts: Vec<Doubt>, best: AutocalibratedCamera) -> Stop {
@@ -141,8 +135,14 @@ pub fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
 
 /// The reason to reject a camera if its frames show a length of the field, but not the same one each
 /// time that it is measured. A length that they do not show at all is no such reason.
+///
+/// The 1-σ of a length that they show exceeds [`ALONE_OPEN_SHARE`] where the coarse paint and the
+/// frames' own pictures, or one fit and the next, give other lengths: of drawn clip 9 of the bowl
+/// 103.6 and 115.6 m (104.4 m is right), and 24 of 30 frames agreed with the latter. Of right
+/// cameras it was 0.67 m at most.
 pub fn unsteady_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
-    let is_unsteady = |size: &&FittedSize| !size.is_open && size.sigma_m > MAX_SIZE_SIGMA_M;
+    let worst_m = ALONE_OPEN_SHARE * camera.field.width_m;
+    let is_unsteady = |size: &&FittedSize| !size.is_open && size.sigma_m > worst_m;
     camera.sizes.iter().find(is_unsteady).map(size_doubt)
 }
 

@@ -181,21 +181,16 @@ impl Decision<'_> {
         };
         if few_aligned(&best.camera, min_aligned).is_some() {
             // Few aligned frames can have moved the principal point away from where the others need
-            // it. Or the base was refined on the assumed field, although the frames show its size
-            // better than it is known. Try again with the principal point in the centre, and on the
-            // field as found; keep the result with most aligned frames.
+            // it. Try again with the principal point in the centre; keep the result with most
+            // aligned frames.
             let centred = BaseOptions {
                 placing_frames: usize::MAX,
                 ..options
             };
-            let mut again = vec![self.refine_and_align(hypothesis, &centred)?];
-            if let Some(as_found) = hypothesis.with_open_lengths_as_found() {
-                again.push(self.refine_and_align(&as_found, &options)?);
-            }
-            for other in again.into_iter().flatten() {
-                if other.camera.aligned_frame_count() > best.camera.aligned_frame_count() {
-                    best = other;
-                }
+            let again = self.refine_and_align(hypothesis, &centred)?;
+            let aligned = best.camera.aligned_frame_count();
+            if let Some(again) = again.filter(|it| it.camera.aligned_frame_count() > aligned) {
+                best = again;
             }
         }
         self.judge(best.camera, min_aligned)
@@ -271,12 +266,7 @@ impl Decision<'_> {
         min_aligned: f64,
     ) -> Result<AutocalibrationAnswer, Stop> {
         // What the frames do not show of the field is drawn as it is recorded.
-        if camera.sizes.iter().any(|size| size.is_open) {
-            let prior = self.field_prior;
-            camera.field = prior
-                .with_open_as_assumed(&camera.field, &camera.sizes)
-                .unwrap_or(camera.field);
-        }
+        self.field_prior.assume_open_lengths(&mut camera);
         // Three checks at full resolution and two of the field; the first that fails is reported.
         // What single pictures do not confirm, clicks or the mean of all pictures may.
         let few = few_aligned(&camera, min_aligned);

@@ -50,7 +50,7 @@ fn own_field_mut<'a>(document: &'a mut Document, camera: &CameraId) -> Option<&'
 }
 
 /// Writes a fitted size into a field.
-pub(crate) fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
+pub(super) fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
     // What the frames do not show stays as it was assumed.
     for size in sizes.iter().filter(|size| !size.is_open) {
         // Clicks do not determine it better than to a centimetre.

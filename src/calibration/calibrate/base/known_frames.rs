@@ -14,7 +14,7 @@ use super::paint_observations::{
     BaseOnPaintError, KnownCameras, PaintObservations, frames_on_field,
 };
 use super::size_fit::OpenSize;
-use super::size_on_paint::{ALONE_SIGMA_M, MeasuredFrames, OpenField, SizingOnPaint};
+use super::size_on_paint::{MeasuredFrames, OpenField, SizingOnPaint, alone_sigma_m};
 use crate::calibrate::{BaseEstimationError, BaseProblem};
 use touchline_core::geometry::PixelBox;
 use touchline_core::progress::Progress;
@@ -120,7 +120,7 @@ impl KnownFrames<'_> {
                 sigma.following_position((estimate.base.position_m - first.base.position_m) * 0.5);
             sigma.covering(&(half * half.transpose()))
         } else {
-            sigma.with_position_error_of(ALONE_SIGMA_M)
+            sigma.with_position_error_of(alone_sigma_m(&problem.field))
         };
         estimate.position_covariance = estimate.base.sigma.position_covariance();
         // For comparison, the errors of the initial base at the same paint, on the field size that

@@ -5,7 +5,6 @@ use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
 use std::collections::BTreeMap;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::{FieldModel, Template};
-use touchline_core::geometry::Vec3;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, BaseOptions, BaseProgress, FittedSize, FrameClicks, SizeParam,
@@ -16,9 +15,9 @@ use touchline_documents::document::DocumentAt;
 /// The template parameters that are a field's size.
 const SIZE: [&str; 2] = ["length_m", "width_m"];
 
-/// Prior 1-σ of a field's size as a fraction of the range that the rules allow: 2.5 m for the
-/// length of a soccer pitch, 3.75 m for its width.
-const SIGMA_SHARE: f64 = 1.0 / 12.0;
+/// Prior 1-σ of a field's size as a fraction of the range that the rules allow: 7.5 m for the
+/// length of a soccer pitch, 0.75 m for that of a rink.
+const SIGMA_SHARE: f64 = 1.0 / 4.0;
 
 impl BaseProblem {
     /// Estimates the base together with the field's size: first the base on the field as assumed,
@@ -89,6 +88,7 @@ impl BaseProblem {
 }
 
 /// The lengths of a field that its rules do not fix, and the field at other values of them.
+#[derive(Clone)]
 pub(crate) struct OpenSize {
     template: Template,
     params_m: BTreeMap<String, f64>,
@@ -111,6 +111,7 @@ impl OpenSize {
                 .get(&param.name)
                 .copied()
                 .unwrap_or(param.default),
+            usual_m: param.default,
             sigma_m: (param.max - param.min) * SIGMA_SHARE,
             min_m: param.min,
             max_m: param.max,
@@ -130,15 +131,7 @@ impl OpenSize {
         if !fitted.is_empty() {
             return fitted;
         }
-        let assumed = self.params.iter().map(|param| FittedSize {
-            name: param.name.clone(),
-            assumed_m: param.assumed_m,
-            value_m: param.assumed_m,
-            sigma_m: param.sigma_m,
-            position_sigma_m: Vec3::zeros(),
-            is_open: true,
-        });
-        assumed.collect()
+        self.params.iter().map(SizeParam::unseen).collect()
     }
 
     /// The free lengths with those of `field` as their assumed values.

@@ -22,19 +22,31 @@ use touchline_documents::document::{DocumentAt, FieldSpec};
 use touchline_vision::media::Picture;
 
 /// Minimum 1-σ of the position along each axis, and of a fitted length of the field, where paint
-/// alone determines it, m.
+/// alone determines it, as a share of the field's width: 0.3 m on a soccer pitch.
 ///
 /// Deviations of the real ground from the model are common to all frames, so the scatter of the
 /// paint does not show them. Positions differ by 0.06 to 0.64 m from those fitted to people's
 /// clicks, where the scatter alone suggests 0.05 m; widths differ by up to 0.8 m where it suggests
 /// 0.04 to 0.13 m. If clicks give a position too, half of the difference between the two is used
 /// instead.
-pub(crate) const ALONE_SIGMA_M: f64 = 0.3;
+const ALONE_SHARE: f64 = 0.3 / 68.0;
 
-/// Raises the σ of each length to the floor that applies to paint alone.
-pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize]) {
+/// Paint alone does not determine a length that it leaves more uncertain than this (1-σ, as a share
+/// of the field's width: 1 m on a soccer pitch), even where the rules leave it far more open: a far
+/// line that is off by 2 px gives a width that is off by that.
+pub(crate) const ALONE_OPEN_SHARE: f64 = 1.0 / 68.0;
+
+/// The minimum 1-σ of a position and of a length on a field, where paint alone determines them, m.
+pub(crate) fn alone_sigma_m(field: &FieldModel) -> f64 {
+    ALONE_SHARE * field.width_m
+}
+
+/// Raises the σ of each length to the floor that applies to paint alone, and marks the lengths that
+/// it does not determine.
+pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize], field: &FieldModel) {
     for length in sizes {
-        length.sigma_m = length.sigma_m.max(ALONE_SIGMA_M);
+        length.is_open |= length.sigma_m > ALONE_OPEN_SHARE * field.width_m;
+        length.cover_error(alone_sigma_m(field));
     }
 }
 
@@ -42,8 +54,8 @@ pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize]) {
 /// those of the assumed size find; less than 1 for what changes by chance.
 const LEAST_SHARE_WITH_SIZE: f64 = 0.99;
 
-/// The size stands still if no length moves by more than this, m: a third of [`ALONE_SIGMA_M`].
-const SETTLED_M: f64 = 0.1;
+/// The size stands still if no length moves by more than this share of [`alone_sigma_m`].
+const SETTLED_SHARE: f64 = 1.0 / 3.0;
 
 /// Maximum number of fits of the size, each with the pictures searched once more. A length that
 /// still moves in the last one is stated no better than by that step: drawn clip 9 of the bowl (on
@@ -111,7 +123,8 @@ pub(super) struct SizingOnPaint<'a> {
 impl SizingOnPaint<'_> {
     /// Fits the size to the paint that was measured from the initial cameras (`first`), and then to
     /// what the lines of the fitted size find, until it stands still. Returns the frames as
-    /// `measured` if the lines of another size find less.
+    /// `measured` if the lines of another size find less. The last step, be it taken or refused, is
+    /// in the stated σ unless it is short.
     ///
     /// # Errors
     /// The field of a fitted size cannot be had.
@@ -126,17 +139,21 @@ impl SizingOnPaint<'_> {
                 0 => first,
                 _ => (&measured.start, &measured.seen),
             };
-            let resized = self.resize(&measured.problem, from, picture)?;
-            let enough = LEAST_SHARE_WITH_SIZE * measured.seen.places as f64;
-            let Some(resized) = resized.filter(|sized| sized.seen.places as f64 >= enough) else {
+            let Some(mut next) = self.resize(&measured.problem, from, picture)? else {
                 break;
             };
-            let before = std::mem::replace(&mut measured, resized).problem.field;
-            if measured.change_of_size_m(&before) < SETTLED_M {
-                break;
+            let enough = LEAST_SHARE_WITH_SIZE * measured.seen.places as f64;
+            let is_refused = (next.seen.places as f64) < enough;
+            if !is_refused {
+                std::mem::swap(&mut measured, &mut next);
             }
-            if fit + 1 == MAX_FITS {
-                measured.cover_step_from(&before);
+            let other = &next.problem.field;
+            let is_still = measured.change_of_size_m(other) < SETTLED_SHARE * alone_sigma_m(other);
+            if !is_still && (is_refused || fit + 1 == MAX_FITS) {
+                measured.cover_step_from(other);
+            }
+            if is_still || is_refused {
+                break;
             }
         }
         Ok(measured)
@@ -157,7 +174,7 @@ impl SizingOnPaint<'_> {
             return Ok(None);
         }
         if !cameras.by_clicks {
-            as_paint_alone_gives(&mut sizes);
+            as_paint_alone_gives(&mut sizes, &problem.field);
         }
         let field = self
             .open_field

@@ -1,9 +1,8 @@
 //! The probability that the camera of a tracked frame is right.
 
 use super::evidence::apart_px;
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::Ptz;
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
-use touchline_core::solve::Uncertainty;
 
 /// 1-σ of the error that all frames of a clip have in common, which no further frame reduces: their
 /// lines are half a pixel thick far away. Pan and tilt in px at 1920 px width, the focal length as
@@ -90,19 +89,30 @@ impl BaseWitnesses {
     }
 }
 
+/// What is known of a tracked camera's overlay.
+pub(super) struct TrackedOverlay {
+    /// The root mean square error at the worst corner of the picture, px. Without the base's part
+    /// where the base is confirmed.
+    pub corner_px: f64,
+    /// 1-σ of the lines that no known camera shows, px.
+    pub length_px: f64,
+    /// Distance between the cameras propagated from both sides, px.
+    pub apart_px: Option<f64>,
+    pub paint: PaintVerdict,
+}
+
 /// The probability that a tracked camera's overlay is right within [`RIGHT_PX`]. The error of a
-/// point has two normal components, so its length has a Rayleigh distribution. Pass an
-/// `uncertainty` with exact base where the base is confirmed.
-pub(super) fn confidence(
-    camera: &PtzCamera,
-    uncertainty: &Uncertainty,
-    size: ImageSize,
-    apart_px: Option<f64>,
-    paint: PaintVerdict,
-) -> f64 {
+/// point has two normal components, so its length has a Rayleigh distribution.
+pub(super) fn confidence(overlay: &TrackedOverlay, size: ImageSize) -> f64 {
+    let TrackedOverlay {
+        corner_px,
+        length_px,
+        apart_px,
+        paint,
+    } = *overlay;
     let px = size.scale_from_1920();
     // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
-    let sigma_px = uncertainty.worst_corner_sigma_px(camera, size) / 2f64.sqrt();
+    let sigma_px = corner_px.hypot(length_px) / 2f64.sqrt();
     let right = right_within(RIGHT_PX * px, sigma_px);
     // Without paint, the two directions of propagation must not contradict each other.
     let both_sides = apart_px.is_none_or(|apart_px| apart_px <= RIGHT_PX * px);
@@ -112,14 +122,6 @@ pub(super) fn confidence(
         PaintVerdict::Contradicts => true,
     };
     right.min(AT_MOST) * if is_contradicted { CONTRADICTED } else { 1.0 }
-}
-
-/// Factor on a camera's confidence where the lines of the field's middle have this 1-σ (px) because
-/// the field's length is unknown. It does not fall below [`CONTRADICTED`]: the rest of the picture
-/// stays right.
-pub(super) fn certainty_under_length(sigma_px: f64, size: ImageSize) -> f64 {
-    let right = right_within(RIGHT_PX * size.scale_from_1920(), sigma_px);
-    right + CONTRADICTED * (1.0 - right)
 }
 
 /// The probability that an error with a Rayleigh distribution is at most `px`; 1 for σ = 0.

@@ -2,6 +2,7 @@
 
 use crate::calibrate::BaseEstimationError;
 use thiserror::Error;
+use touchline_core::field::FieldError;
 use touchline_vision::media::MediaError;
 use touchline_vision::track::TrackError;
 
@@ -44,6 +45,9 @@ pub enum TrackClipError {
         /// The size that the document states, px.
         expected: (u32, u32),
     },
+    /// The field is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
     /// Points could not be tracked.
     #[error(transparent)]
     Track(#[from] TrackError),

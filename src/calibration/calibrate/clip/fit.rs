@@ -66,9 +66,6 @@ pub(super) struct PaintVerdicts {
     pub paint: Vec<PaintVerdict>,
     /// Frames whose earlier camera explains the paint better than the adjusted one.
     pub kept: BTreeSet<usize>,
-    /// For each frame, the share of its paint that lies on no line; 0 if it was not measured or the
-    /// picture shows too little.
-    pub unexplained: Vec<f64>,
     /// Whether the paint of some frame fits a field of another length.
     pub is_of_other_field: bool,
 }
@@ -205,11 +202,9 @@ impl ClipFit<'_> {
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<PaintVerdicts, TrackClipError> {
         let paint = vec![PaintVerdict::Silent; adjusted.frames.len()];
-        let unexplained = vec![0.0; paint.len()];
         let mut paint_verdicts = PaintVerdicts {
             paint,
             kept: BTreeSet::new(),
-            unexplained,
             is_of_other_field: false,
         };
         // Without line search every verdict is `Silent`.
@@ -257,9 +252,7 @@ impl ClipFit<'_> {
                 .get(place + 1)
                 .map_or(paint_verdicts.paint.len(), |next| next.0);
             let like_it = frame..next.min(frame + self.options.paint_every);
-            paint_verdicts.paint[like_it.clone()].fill(verdict);
-            let unexplained = paint_verdicts.unexplained[frame];
-            paint_verdicts.unexplained[like_it].fill(unexplained);
+            paint_verdicts.paint[like_it].fill(verdict);
         }
         Ok(paint_verdicts)
     }
@@ -293,7 +286,6 @@ impl ClipFit<'_> {
             paint_verdicts.kept.insert(frame);
         }
         paint_verdicts.is_of_other_field |= self.is_of_other_field(&check);
-        paint_verdicts.unexplained[frame] = check.unexplained.unwrap_or(0.0);
         Ok(known.unwrap_or_else(|| self.verdict_of(&check)))
     }
 

@@ -13,6 +13,7 @@ mod pictures;
 mod record;
 mod stretch;
 mod track;
+mod unmeasured;
 
 pub use anchors::is_anchor;
 pub use error::TrackClipError;

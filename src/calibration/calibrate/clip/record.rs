@@ -82,7 +82,7 @@ pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracke
     }
     if let Some(px) = tracked.length_px {
         let message = format!(
-            "the field's length is assumed, and the lines about its middle may lie ±{px:.0} px off: state the length, or click a landmark there"
+            "the field's size is assumed, and lines that no known frame shows may lie ±{px:.0} px off: state the size, or click a landmark there"
         );
         solution
             .warnings

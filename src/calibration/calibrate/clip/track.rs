@@ -4,7 +4,7 @@
 
 use super::anchors::anchors;
 use super::certainty::{
-    BaseWitnesses, DIFFER_PX, PaintVerdict, certainty_under_length, confidence, with_common,
+    BaseWitnesses, DIFFER_PX, PaintVerdict, TrackedOverlay, confidence, with_common,
 };
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
@@ -12,11 +12,11 @@ use super::fit::{ClipFit, FittedClip, PaintVerdicts};
 use super::frames::{ClipFrame, ClipFrames};
 use super::options::{ClipProgress, TrackClipOptions};
 use super::pictures::ClipPictures;
-use crate::calibrate::base::size_fit::OpenSize;
-use crate::calibrate::base::unseen_length::UnseenLength;
+use super::unmeasured::Unmeasured;
+use crate::calibrate::base::measured_length::LengthOnLines;
+use crate::calibrate::base::unseen_size::is_size_stated;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
 use touchline_core::solve::Uncertainty;
 use touchline_documents::document::{Document, DocumentAt, FieldSize, FrameStatus};
@@ -25,11 +25,6 @@ use touchline_vision::track::{
     AdjustedClip, ClipCamera, ClipLens, Jitter, PosePrior, PropagatedClip, SmoothOptions,
     UnsmoothedFrame, propagate, smooth,
 };
-
-/// Above this share of paint on no line, the assumed length of the field is suspect. With the right
-/// length it was at most 0.17 in 568 frames of three broadcasts. Where the centre circle lay 40 to
-/// 130 px off, it was 0.3 to 0.9.
-const RIGHT_UNEXPLAINED: f64 = 0.2;
 
 /// A frame of the document to which a camera was propagated.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +44,8 @@ pub struct TrackedFrame {
     pub apart_px: Option<f64>,
     /// Whether the painted lines contradict the camera.
     pub contradicted: bool,
-    /// 1-σ of the projected lines of the field's middle due to an unmeasured field length, px; none
-    /// where the length is known or hardly matters here.
+    /// 1-σ of the projected lines that no known camera shows, px, as the field's size is not
+    /// measured; none where it is known or hardly matters here.
     pub length_px: Option<f64>,
 }
 
@@ -101,6 +96,8 @@ pub struct TrackedClip {
     pub inflation: f64,
     /// Number of pictures aligned to their painted lines.
     pub painted: usize,
+    /// Other lengths of the field than the assumed ones, which the painted lines require.
+    pub lengths: Vec<LengthOnLines>,
     /// How unsteady the cameras are from picture to picture.
     pub jitter: Option<Jitter>,
     /// The same before smoothing; none where nothing was smoothed.
@@ -174,24 +171,15 @@ pub fn track_clip(
     let PaintVerdicts {
         paint,
         kept,
-        unexplained,
         is_of_other_field,
     } = paint_verdicts;
-    // The field's length is uncertain where it was only assumed, or where the paint contradicts the
-    // stated one. `UnseenLength` then finds which end of the field the known cameras saw; priors
-    // that the paint contradicts say nothing about it.
-    let is_length_open = *spec.size() == FieldSize::Assumed || is_of_other_field;
-    let open = spec
-        .template(at.folder)
-        .ok()
-        .filter(|_| is_length_open)
-        .map(|template| OpenSize::new(template, field));
-    let shown: Vec<(Ptz, ImageSize)> = anchors
-        .iter()
-        .filter(|anchor| paint[anchor.frame] != PaintVerdict::Contradicts)
-        .map(|anchor| (anchor.ptz, size))
-        .collect();
-    let unseen = open.and_then(|open| UnseenLength::new(open, field, &base, &shown));
+    // The size of the field is open unless it is stated, and where the paint contradicts what is
+    // stated.
+    let unmeasured = if is_size_stated(spec.size()) && !is_of_other_field {
+        Unmeasured::default()
+    } else {
+        Unmeasured::measure(&fit, &adjusted, &paint, reader)?
+    };
 
     let raw: Vec<Option<Ptz>> = adjusted
         .frames
@@ -218,6 +206,7 @@ pub fn track_clip(
         sigma_px: adjusted.sigma_px,
         inflation: adjusted.inflation,
         painted,
+        lengths: unmeasured.lengths.clone(),
         jitter: Jitter::measure(&smoothed),
         raw_jitter: Jitter::measure(&raw).filter(|_| options.smooth),
     };
@@ -270,23 +259,10 @@ pub fn track_clip(
                 .extend(document_frame.ptz.is_none().then_some(place));
             continue;
         };
-        // The confidence is a product of three factors: of the best prior, of this camera's
-        // overlay, and of the field's length. Where the paint agrees, a disagreement between the
-        // two directions of propagation is settled.
+        // Where the paint agrees, a disagreement between the two directions of propagation is
+        // settled.
         let apart_px = propagated.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
-        // A wrong length shows as unexplained paint, because its lines lie beside their paint.
-        // Frames without such paint are not affected.
-        let of_frame = unseen
-            .as_ref()
-            .filter(|_| unexplained[frame] > RIGHT_UNEXPLAINED);
-        let by_length_px = of_frame.map_or(0.0, |unseen| unseen.sigma_px(camera.ptz(), size));
-        let of_length = match paint[frame] {
-            // The confidence is already reduced for the contradiction, whatever its cause.
-            PaintVerdict::Contradicts => 1.0,
-            PaintVerdict::Agrees | PaintVerdict::Silent => {
-                certainty_under_length(by_length_px, size)
-            }
-        };
+        let length_px = unmeasured.sigma_px(&camera, size);
         // Paint that agrees here, or in a frame that shows nearly the same, confirms the base in
         // this direction: its σ then does not count.
         let is_base_shown = paint[frame] == PaintVerdict::Agrees || witnesses.show(camera.ptz());
@@ -295,8 +271,13 @@ pub fn track_clip(
         } else {
             uncertainty
         };
-        let confidence =
-            certain * confidence(&camera, &of_camera, size, apart_px, paint[frame]) * of_length;
+        let overlay = TrackedOverlay {
+            corner_px: of_camera.worst_corner_sigma_px(&camera, size),
+            length_px,
+            apart_px,
+            paint: paint[frame],
+        };
+        let confidence = certain * confidence(&overlay, size);
         if kept.contains(&frame) {
             tracked.kept += 1;
             continue;
@@ -309,7 +290,7 @@ pub fn track_clip(
             confidence,
             apart_px,
             contradicted: paint[frame] == PaintVerdict::Contradicts,
-            length_px: Some(by_length_px).filter(|px| *px > DIFFER_PX * size.scale_from_1920()),
+            length_px: Some(length_px).filter(|px| *px > DIFFER_PX * size.scale_from_1920()),
         });
     }
     Ok(tracked)

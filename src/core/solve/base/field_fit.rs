@@ -2,22 +2,22 @@
 //!
 //! A change of either displaces the landmarks in a way that a change of the camera nearly
 //! compensates. They are therefore estimated after the base, as further shared parameters of the
-//! bundle adjustment, with priors at the assumed values and within the limits of the rules. The
+//! bundle adjustment, with priors at the usual values and within the limits of the rules. The
 //! derivatives of landmarks and lines by the size are finite differences between fields of two
 //! sizes, whatever the template's expressions are. Where the landmarks do not move linearly, the
 //! fit is repeated at the size found.
 
 use super::adjust::{UsualView, starting};
 use super::base_click::BaseClick;
-use super::bundle::{Bundle, BundleState, keep_determined};
+use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
-use super::scatter::USUAL_DISPLACEMENT;
 use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
 use crate::camera::{CameraBase, Ptz};
-use crate::field::{Crown, FieldElement, FieldModel};
+use crate::field::{Crown, FieldModel};
 use crate::geometry::Vec3;
 use crate::solve::{Observation, ObservedShape};
+use nalgebra::SMatrix;
 
 /// A length of the field that may differ from the assumed value.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,10 @@ pub struct SizeParam {
     pub name: String,
     /// The assumed value, m.
     pub assumed_m: f64,
-    /// The 1-σ of venues around it, m.
+    /// The usual value, the mean of the prior, m. It does not follow a value that was fitted before:
+    /// repeated fits would then walk away where the frames show little.
+    pub usual_m: f64,
+    /// The 1-σ of venues around the usual value, m.
     pub sigma_m: f64,
     /// The smallest that the rules allow, m.
     pub min_m: f64,
@@ -50,9 +53,36 @@ pub struct FittedSize {
     /// a field is seen, the uncertainty of its length moves the middle of the field, which is the
     /// origin of `world`, by half, and with it all coordinates.
     pub position_sigma_m: Vec3,
-    /// Whether the frames do not determine the length, so that the assumed value should be kept.
+    /// Whether the frames do not determine the length ([`SizeParam::is_open_at`]), so that the
+    /// assumed value should be kept.
     pub is_open: bool,
 }
+
+impl SizeParam {
+    /// Whether observations that leave a length this uncertain (1-σ, m) do not determine it: they
+    /// have not halved the uncertainty of the rules. A share and not a number of metres, because the
+    /// rules leave a soccer pitch 30 m and a rink 3 m.
+    #[must_use]
+    pub fn is_open_at(&self, sigma_m: f64) -> bool {
+        sigma_m > OPEN_SHARE * self.sigma_m
+    }
+
+    /// The length where no frame shows it.
+    #[must_use]
+    pub fn unseen(&self) -> FittedSize {
+        FittedSize {
+            name: self.name.clone(),
+            assumed_m: self.assumed_m,
+            value_m: self.assumed_m,
+            sigma_m: self.sigma_m,
+            position_sigma_m: Vec3::zeros(),
+            is_open: true,
+        }
+    }
+}
+
+/// The least posterior σ of a length that the frames do not determine, as a share of the prior's.
+const OPEN_SHARE: f64 = 0.5;
 
 impl FittedSize {
     /// Raises the 1-σ to cover an error that the fit did not see, and with it what it adds to the
@@ -63,11 +93,14 @@ impl FittedSize {
             self.sigma_m = error_m;
         }
     }
-}
 
-/// A length with a larger 1-σ is not determined by the frames, m. Where they determine it, the 1-σ
-/// is 0.04 to 0.13 m.
-const OPEN_M: f64 = 0.5;
+    /// The position that belongs to another value of the length, by the regression of the one on the
+    /// other: where one end alone is seen, the camera stays with that end.
+    #[must_use]
+    pub fn position_shift_m(&self, value_m: f64) -> Vec3 {
+        self.position_sigma_m * ((value_m - self.value_m) / self.sigma_m)
+    }
+}
 
 /// The start of the fit: a base and its frames on a field.
 #[derive(Clone, Copy, Debug)]
@@ -120,8 +153,7 @@ pub fn fit_field_size(
         shared,
         ptz: start.ptz.iter().flatten().copied().collect(),
     };
-    // The fit starts from the size that the frames were adjusted at. The priors stay at the assumed
-    // values: a prior around the start would let repeated fits walk away where the frames show little.
+    // The fit starts from the size that the frames were adjusted at.
     let begin = |param: &SizeParam| start.field.params.get(&param.name).copied();
     let mut values: Vec<f64> = params
         .iter()
@@ -131,8 +163,8 @@ pub fn fit_field_size(
     let mut held = [false; SIZES];
     for round in 1.. {
         // One bundle adjustment, linearised at the current size.
-        let (bundle, shared) = fit.bundle(&values, &state.shared, held)?;
-        let mut found = bundle.minimum(
+        let (mut bundle, shared) = fit.bundle(&values, &state.shared, held)?;
+        let found = bundle.minimum(
             BundleState {
                 shared,
                 ptz: state.ptz,
@@ -153,27 +185,14 @@ pub fn fit_field_size(
         // Converged, or out of rounds. For the covariance, sizes at a limit are free again: the
         // limit is no information about how well the clicks determine the size.
         if moved_m < ENOUGH_M || round == MAX_FITS {
-            found.equations.free = fit.free([false; SIZES]);
+            bundle.free = fit.free([false; SIZES]);
             let noise_scale = bundle.noise_scale(&found.state);
-            let (information, _) = keep_determined(found.equations).eliminate_blocks(0.0)?;
-            let covariance = information.try_inverse()?;
-            let known = (0..values.len()).map(|size| {
-                let variance = covariance[(SIZE + size, SIZE + size)];
-                // The most likely change of the position per change of the length (conditional mean
-                // of the Gaussian), m per m.
-                let position_by_size =
-                    Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
-                (variance * noise_scale, position_by_size)
-            });
-            return fit.fitted_sizes(&values, known);
+            return fit.fitted_sizes(&values, &bundle.covariance(&found.state, noise_scale));
         }
         state = found.state;
     }
     None
 }
-
-/// The variance of a length, m², and the regression of the camera's position on it, m per m.
-type LengthRegression = (f64, Vec3);
 
 /// The inputs that all fits have in common.
 struct SizeFit<'a> {
@@ -239,7 +258,7 @@ impl SizeFit<'_> {
             .collect();
 
         // The priors of the base, and one for each size. The parameter is the change from the
-        // current value, so the prior's mean is the assumed value minus the current one.
+        // current value, so the prior's mean is the usual value minus the current one.
         let view = UsualView::from_frames(
             start.base,
             &start.ptz.iter().flatten().copied().collect::<Vec<_>>(),
@@ -254,7 +273,7 @@ impl SizeFit<'_> {
                 .zip(values)
                 .enumerate()
                 .map(|(size, (param, value))| SharedPrior {
-                    of: Expected::Larger(param.assumed_m - value, size),
+                    of: Expected::Larger(param.usual_m - value, size),
                     sigma: param.sigma_m,
                 }),
         );
@@ -273,60 +292,35 @@ impl SizeFit<'_> {
         frames.filter_map(|(frame, ptz)| ptz.is_some().then_some(frame))
     }
 
-    /// The sizes with their sigmas. The variance of each has two independent parts: that of click
-    /// noise (`variances`) and that of displaced landmarks ([`Self::displacement_variances`]).
+    /// The sizes with their σ, from the joint covariance of all shared parameters. It has two
+    /// independent parts, click noise and displaced landmarks (`scatter.rs`).
     fn fitted_sizes(
         &self,
         values: &[f64],
-        variances: impl Iterator<Item = LengthRegression>,
+        covariance: &SMatrix<f64, OF_BASE_AND_SIZE, OF_BASE_AND_SIZE>,
     ) -> Option<Vec<FittedSize>> {
-        let displaced = self.displacement_variances(values)?;
-        let known = variances.zip(displaced);
         let mut sizes = Vec::with_capacity(values.len());
-        for ((param, value), ((variance, position_by_size), displaced)) in
-            self.params.iter().zip(values).zip(known)
-        {
+        for (size, (param, value)) in self.params.iter().zip(values).enumerate() {
+            let variance = covariance[(SIZE + size, SIZE + size)];
             if !(variance.is_finite() && variance > 0.0) {
                 return None;
             }
+            // The most likely change of the position per change of the length (conditional mean of
+            // the Gaussian), m per m.
+            let position_by_size =
+                Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
             // Observations cannot make a length less certain than its prior.
-            let sigma_m = (variance + displaced).sqrt().min(param.sigma_m);
+            let sigma_m = variance.sqrt().min(param.sigma_m);
             sizes.push(FittedSize {
                 name: param.name.clone(),
                 assumed_m: param.assumed_m,
                 value_m: *value,
                 sigma_m,
                 position_sigma_m: position_by_size * sigma_m,
-                is_open: sigma_m > OPEN_M,
+                is_open: param.is_open_at(sigma_m),
             });
         }
         Some(sizes)
-    }
-
-    /// The variance of each length, m², from landmarks and lines that are painted off their nominal
-    /// positions: that of a least-squares fit of one length, σ² / Σ |∂position / ∂length|² over the
-    /// elements clicked. All frames see the same displacement, so more clicks on one element do not
-    /// reduce it.
-    fn displacement_variances(&self, values: &[f64]) -> Option<Vec<f64>> {
-        let field = (self.sized)(values)?;
-        let clicks = self.solved_frames().flat_map(FrameClicks::used_clicks);
-        let mut clicked: Vec<FieldElement> = clicks.filter_map(|click| click.element).collect();
-        clicked.sort_unstable();
-        clicked.dedup();
-        let variance = (USUAL_DISPLACEMENT * field.width_m).powi(2);
-        let mut variances = Vec::with_capacity(values.len());
-        for size in 0..values.len() {
-            let (changed, by_m) = self.perturb_length(values, size)?;
-            // How far each clicked element moves per metre of the length, as a finite difference.
-            let slopes = clicked.iter().filter_map(|&element| {
-                let by = nominal_m(&changed, element)? - nominal_m(&field, element)?;
-                Some(by.norm_squared() / (by_m * by_m))
-            });
-            // Where nothing moves with the length, the variance is practically infinite; the prior
-            // limits it in `fitted_sizes`.
-            variances.push(variance / slopes.sum::<f64>().max(f64::MIN_POSITIVE));
-        }
-        Some(variances)
     }
 }
 
@@ -346,15 +340,6 @@ fn click_with_sizes(
         sized = sized.growing(size, &shape, *by_m);
     }
     Some(sized)
-}
-
-/// The position of a landmark, or of the middle of a line, on flat ground, `world`, m.
-fn nominal_m(field: &FieldModel, element: FieldElement) -> Option<Vec3> {
-    Some(match element {
-        FieldElement::Landmark(index) => field.landmarks.get(index)?.nominal_m,
-        FieldElement::Line(index) => field.lines.get(index)?.curve.point_at(0.5),
-        FieldElement::Paint(index) => field.lines.get(index)?.paint_centre.point_at(0.5),
-    })
 }
 
 #[cfg(test)]
@@ -412,6 +397,7 @@ mod tests {
         .map(|(name, assumed_m, sigma_m, min_m, max_m)| SizeParam {
             name: name.to_owned(),
             assumed_m,
+            usual_m: assumed_m,
             sigma_m,
             min_m,
             max_m,

@@ -82,6 +82,7 @@ pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
 pub use model_choice::ModelReason;
 pub use one_more::{BesideFrames, OneMoreFrame};
 pub use progress::BaseProgress;
+pub use scatter::usual_displacement_m;
 pub use shared_place::{SharedPlace, shared_places};
 pub use start::{BaseStart, start_base};
 pub use summary::{BaseEstimate, FrameFit};

@@ -21,7 +21,13 @@ use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// Usual displacement of landmarks as clicked, 1-σ in each direction, as a fraction of the field's
 /// width: 6 cm on a soccer pitch.
-pub(super) const USUAL_DISPLACEMENT: f64 = 0.06 / 68.0;
+const USUAL_DISPLACEMENT: f64 = 0.06 / 68.0;
+
+/// The usual displacement of landmarks and lines on a field of this width, m.
+#[must_use]
+pub fn usual_displacement_m(width_m: f64) -> f64 {
+    USUAL_DISPLACEMENT * width_m
+}
 
 /// The weight of the usual displacement in the estimate, as a number of landmark directions.
 const USUAL_WEIGHT: f64 = 6.0;
@@ -107,7 +113,7 @@ impl<const SHARED: usize> Scatter<SHARED> {
             .iter()
             .map(|shown| shown.mixed * shown.mixed.transpose())
             .sum();
-        let tau_squared = self.displacement_squared(free, (USUAL_DISPLACEMENT * width_m).powi(2));
+        let tau_squared = self.displacement_squared(free, usual_displacement_m(width_m).powi(2));
         inverse * noise_scale + inverse * together * inverse * tau_squared
     }
 

@@ -1,17 +1,11 @@
 //! The length of the field, measured while a clip is tracked: it is told to the user, who may take
 //! it over. A length that a person stated stays as it is.
 
-use super::ClipTracking;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
-use touchline_calibration::calibrate::{
-    BulkChange, LengthOnLines, TrackedClip, length_on_lines, record_tracked, take_length,
-};
-use touchline_calibration::proposals::read_picture;
-use touchline_core::field::FieldError;
+use touchline_calibration::calibrate::{BulkChange, LengthOnLines, take_length};
 use touchline_core::geometry::pluralise;
-use touchline_documents::document::{Frame, Step};
-use touchline_vision::media::ReadFrames;
+use touchline_documents::document::Step;
 
 /// The length of the field that the tracked frames require, as text.
 fn describe_length(
@@ -28,52 +22,29 @@ fn describe_length(
         "m was assumed"
     };
     format!(
-        "The painted lines of {} indicate a length of {:.2} ± {:.2} m, where {} {assumed}.",
+        "The painted lines of {} indicate a {} of {:.2} ± {:.2} m, where {} {assumed}.",
         pluralise(*frames, "frame"),
+        size.name.trim_end_matches("_m"),
         size.value_m,
         size.sigma_m,
         size.assumed_m
     )
 }
 
-impl ClipTracking {
-    /// The length of the field that the painted lines of the tracked frames require, if it differs
-    /// from the assumed one.
-    pub(super) fn measure_length(
-        &self,
-        tracked: &TrackedClip,
-        reader: &mut dyn ReadFrames,
-    ) -> Result<Option<LengthOnLines>, FieldError> {
-        let mut document = self.document.clone();
-        record_tracked(&mut document, tracked);
-        let mut picture = |frame: &Frame| read_picture(reader, frame, &self.folder).ok();
-        length_on_lines(document.at(&self.folder), &mut picture)
-    }
-}
-
 impl App {
     /// Reports another length of the field that the tracked frames require. Offers to use it if the
     /// document states none.
-    pub(super) fn tell_length(&mut self, length: Result<Option<LengthOnLines>, FieldError>) {
-        match length {
-            Ok(None) => {}
-            Ok(Some(found)) => {
-                let text = describe_length(&found);
-                if found.is_prescribed {
-                    self.session.notify(Level::Warning, text);
-                    return;
-                }
-                if let Some(last) = &mut self.operations.clip_tracking.last {
-                    last.length = Some(found);
-                }
-                self.session
-                    .notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
-            }
-            Err(error) => {
-                let text = format!("The length of the field was not measured: {error}.");
-                self.session.notify(Level::Warning, text);
-            }
+    pub(super) fn tell_length(&mut self, found: LengthOnLines) {
+        let text = describe_length(&found);
+        if found.is_prescribed {
+            self.session.notify(Level::Warning, text);
+            return;
         }
+        if let Some(last) = &mut self.operations.clip_tracking.last {
+            last.length = Some(found);
+        }
+        self.session
+            .notify_with(Level::Warning, text, [("Take it", Command::TakeLength)]);
     }
 
     /// Uses the measured length; one step of undo. Frames with clicks are solved again; the others
@@ -134,7 +105,7 @@ mod tests {
     fn a_measured_length_is_suggested_and_applied_in_one_step() {
         let mut app = app();
         assert!(app.why_not(Command::TakeLength).is_some());
-        app.tell_length(Ok(Some(measured(false))));
+        app.tell_length(measured(false));
         assert!(
             app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_none()
         );
@@ -156,13 +127,10 @@ mod tests {
     }
 
     #[test]
-    fn a_stated_length_stays_and_a_field_that_cannot_be_measured_is_named() {
+    fn a_stated_length_stays() {
         let mut app = app();
-        app.tell_length(Ok(Some(measured(true))));
+        app.tell_length(measured(true));
         assert!(app.why_not(Command::TakeLength).is_some());
-        app.tell_length(Err(FieldError::BeingRead {
-            place: "own.json".to_owned(),
-        }));
         let texts: Vec<&str> = app
             .session
             .messages
@@ -174,10 +142,6 @@ mod tests {
             texts[0].ends_with(
                 "indicate a length of 101.00 ± 0.30 m, where 105 m is stated, and stays."
             ),
-            "{texts:?}"
-        );
-        assert!(
-            texts[1].starts_with("The length of the field was not measured: "),
             "{texts:?}"
         );
     }

@@ -15,11 +15,7 @@ impl App {
     pub(super) fn take_tracked_clip(
         &mut self,
         tracking: &ClipTracking,
-        TrackingOutcome {
-            tracked,
-            evidence,
-            length,
-        }: TrackingOutcome,
+        TrackingOutcome { tracked, evidence }: TrackingOutcome,
     ) {
         if self.refuses_changes() {
             return;
@@ -33,6 +29,7 @@ impl App {
             self.session.notify(Level::Info, text);
             return;
         }
+        let lengths = tracked.lengths.clone();
         let taken = tracking.still_open_in(&open.document, tracked);
         let count = taken.frames.len();
         let is_again = tracking.is_again();
@@ -84,7 +81,9 @@ impl App {
         };
         self.session
             .notify_with(level, describe_tracked(&taken, count), offers);
-        self.tell_length(length);
+        for found in lengths {
+            self.tell_length(found);
+        }
     }
 
     /// Discards the tracked cameras: frames that users have not changed since show again what they
@@ -154,13 +153,13 @@ mod tests {
                 sigma_px: 0.5,
                 inflation: 1.0,
                 painted: 0,
+                lengths: Vec::new(),
                 jitter: None,
                 raw_jitter: None,
             };
             let outcome = TrackingOutcome {
                 tracked,
                 evidence: Arc::default(),
-                length: Ok(None),
             };
             app.take_tracked_clip(&tracking, outcome);
             let said = &app.session.messages.notices.last().unwrap().text;

@@ -7,10 +7,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
 use touchline_calibration::calibrate::{
-    ClipEvidence, ClipProgress, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip,
-    TrackedFrame, clip_of_frame, take_doubtful_stretch, track_clip,
+    ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame,
+    clip_of_frame, take_doubtful_stretch, track_clip,
 };
-use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::field::FieldModel;
 use touchline_documents::document::Document;
 
 /// Tracks cameras through a clip.
@@ -45,8 +45,6 @@ pub struct TrackingOutcome {
     pub(super) tracked: TrackedClip,
     /// Points and paint found in the pictures, for use after a correction.
     pub(super) evidence: Arc<ClipEvidence>,
-    /// Another length of the field, if the painted lines of the tracked frames require one.
-    pub(super) length: Result<Option<LengthOnLines>, FieldError>,
 }
 
 /// Why a clip could not be tracked.
@@ -94,16 +92,9 @@ impl Operation for ClipTracking {
             &mut evidence,
             &progress,
         )?;
-        // After a correction the length is not measured again.
-        let length = if self.is_again() {
-            Ok(None)
-        } else {
-            self.measure_length(&tracked, &mut *reader)
-        };
         Ok(TrackingOutcome {
             tracked,
             evidence: evidence.into(),
-            length,
         })
     }
 

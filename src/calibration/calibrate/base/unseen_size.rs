@@ -1,0 +1,310 @@
+//! What the known cameras of a field leave open of its length and width, and what that does to a
+//! picture.
+//!
+//! A camera that has seen one part of a field is right there whatever the size of the field is: base
+//! and part move together. Lines of other parts move relative to it: the two ends by half of the
+//! error of the length each, relative to the middle. A pitch of 101 m that is assumed to be 105 m
+//! long projects the goals of a broadcast 70 px beside their paint where its key frames show the
+//! middle alone, and nothing in those shows it.
+//!
+//! Each line that is seen gives its own position along the axis on which the length moves it, with a
+//! 1-σ of displaced paint and of the picture's resolution. A line moves by a known share of a change
+//! of the length, so a straight line through positions over shares has the length as its slope, and
+//! what is seen moves as the mean share. The variance of the slope, joined with that of the rules,
+//! is what remains open: all of it where one part alone is seen.
+
+use super::size_fit::OpenSize;
+use super::size_on_paint::alone_sigma_m;
+use crate::calibrate::is_anchor;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::geometry::{ImageSize, Vec2, Vec3, median_high, subsample};
+use touchline_core::markings::{SampleOptions, sample_lines};
+use touchline_core::solve::base::{SizeParam, usual_displacement_m};
+use touchline_documents::document::{Camera, DocumentAt, FieldSize, FrameStatus};
+
+/// Distance between samples of a line, px at 1920 px width.
+const SPACING_PX: f64 = 16.0;
+
+/// Minimum number of samples that show the position of a line, or of lines together.
+const ENOUGH_SAMPLES: usize = 6;
+
+/// Samples that move by less along their normal do not show the size, px at 1920 px width per
+/// metre of their line's motion.
+const TELLING_PX: f64 = 4.0;
+
+/// 1-σ with which the picture of a known camera shows the position of a line, px at 1920 px width.
+const LINE_SIGMA_PX: f64 = 2.0;
+
+/// Maximum number of known frames that are looked at, spread evenly over the document.
+const MAX_KNOWN: usize = 200;
+
+/// The lengths at which the lines in a picture are predicted where a length is open, in σ from the
+/// assumed one: a line may enter the picture only at another length.
+const SIGMAS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// A length of a field as a known camera leaves it, and how the lines of the field move with it.
+pub(in crate::calibrate) struct UnseenSize {
+    size: OpenSize,
+    /// The assumed lengths of the field, in the order of `size.params`, m.
+    values_m: Vec<f64>,
+    /// The index of this length among them.
+    index: usize,
+    /// The direction along which it moves lines.
+    axis: Vec3,
+    /// Motion of each line along the axis per metre of the length: 0.5 at the right or far end, 0 in
+    /// the middle, −0.5 at the left or near end.
+    by_line: Vec<f64>,
+    /// The same of what the known cameras have seen, and with it of the base.
+    by_seen: f64,
+    /// 1-σ of the length from the rules and from what the known cameras have seen, m.
+    sigma_m: f64,
+    /// Root mean square of the error of the assumed length, m.
+    error_m: f64,
+    /// The field at each likely length, and the motion of the base.
+    likely: Vec<(FieldModel, Vec3)>,
+}
+
+impl UnseenSize {
+    /// What the known frames of a camera leave open of the size of its field. Rejected frames, and
+    /// those at an index of which `is_wrong` is true, say nothing. Empty without a base, or if the
+    /// rules fix the size.
+    ///
+    /// # Errors
+    /// The field is not valid.
+    pub fn from_known_frames(
+        at: DocumentAt<'_>,
+        camera: &Camera,
+        is_wrong: &dyn Fn(usize) -> bool,
+    ) -> Result<Vec<Self>, FieldError> {
+        let Some(base) = camera.base() else {
+            return Ok(Vec::new());
+        };
+        let spec = at.document.field_of_camera(&camera.id);
+        let field = at.model_of(spec)?;
+        let size = OpenSize::new(spec.template(at.folder)?, &field);
+        let known = at
+            .document
+            .frames
+            .iter()
+            .enumerate()
+            .filter(|(index, frame)| {
+                frame.camera == camera.id
+                    && frame.status != FrameStatus::Rejected
+                    && is_anchor(frame)
+                    && !is_wrong(*index)
+            });
+        let known = known.filter_map(|(_, frame)| {
+            let camera = PtzCamera::new(frame.base_from(&base), frame.ptz.as_ref()?.ptz());
+            Some((camera, frame.image_size))
+        });
+        let known: Vec<_> = known.collect();
+        let known: Vec<_> = subsample(known, MAX_KNOWN).collect();
+        let lengths = 0..size.params.len();
+        Ok(lengths
+            .filter_map(|index| Self::new(size.clone(), index, &field, &known))
+            .collect())
+    }
+
+    /// None if the template has no field one step away.
+    fn new(
+        size: OpenSize,
+        index: usize,
+        field: &FieldModel,
+        known: &[(PtzCamera, ImageSize)],
+    ) -> Option<Self> {
+        let param = &size.params[index];
+        let axis = if param.name == "length_m" {
+            Vec3::x()
+        } else {
+            Vec3::y()
+        };
+        let (sigma_m, error_m) = (param.sigma_m, param.sigma_m);
+        let values_m = size.params.iter().map(|param| param.assumed_m).collect();
+        let mut unseen = Self {
+            size,
+            values_m,
+            index,
+            axis,
+            by_line: Vec::new(),
+            by_seen: 0.0,
+            sigma_m,
+            error_m,
+            likely: Vec::new(),
+        };
+        unseen.by_line = unseen.motions_of_lines()?;
+        unseen.see_lines(field, known);
+        let is_open = unseen.is_open();
+        let sigmas = SIGMAS
+            .into_iter()
+            .filter(|sigmas| is_open || *sigmas == 0.0);
+        unseen.likely = sigmas
+            .filter_map(|sigmas| unseen.at_length(unseen.assumed_m() + sigmas * unseen.sigma_m))
+            .collect();
+        Some(unseen)
+    }
+
+    /// Joins what is known of the length with the lines that cameras have seen.
+    fn see_lines(&mut self, field: &FieldModel, known: &[(PtzCamera, ImageSize)]) {
+        // The motion of each line in the picture that shows it best, px at 1920 px width per metre.
+        let mut shown = vec![0.0_f64; self.by_line.len()];
+        for (camera, image) in known {
+            let mut moves: Vec<Vec<f64>> = vec![Vec::new(); shown.len()];
+            for (line, px_per_m) in telling_samples(field, camera, *image, self.axis) {
+                moves[line].push(px_per_m / image.scale_from_1920());
+            }
+            for (shown, moves) in shown.iter_mut().zip(&mut moves) {
+                moves.sort_by(|one, other| other.total_cmp(one));
+                *shown = shown.max(moves.get(ENOUGH_SAMPLES - 1).copied().unwrap_or(0.0));
+            }
+        }
+        // Regression of the lines' positions on their shares of the length's change.
+        let displaced_m = usual_displacement_m(field.width_m);
+        let seen = shown.iter().zip(&self.by_line);
+        let weighted: Vec<(f64, f64)> = seen
+            .filter(|(px_per_m, _)| **px_per_m >= TELLING_PX)
+            .map(|(px_per_m, by)| {
+                let variance = displaced_m.powi(2) + (LINE_SIGMA_PX / px_per_m).powi(2);
+                (variance.recip(), *by)
+            })
+            .collect();
+        let sum: f64 = weighted.iter().map(|(weight, _)| weight).sum();
+        if sum > 0.0 {
+            self.by_seen = weighted.iter().map(|(weight, by)| weight * by).sum::<f64>() / sum;
+        }
+        let information: f64 = weighted
+            .iter()
+            .map(|(weight, by)| weight * (by - self.by_seen).powi(2))
+            .sum();
+        self.sigma_m = (self.sigma_m.powi(-2) + information).sqrt().recip();
+        self.error_m = self.sigma_m;
+    }
+
+    /// The length as a parameter of the field.
+    pub fn param(&self) -> &SizeParam {
+        &self.size.params[self.index]
+    }
+
+    /// Whether the known cameras leave the length open.
+    pub fn is_open(&self) -> bool {
+        self.param().is_open_at(self.sigma_m)
+    }
+
+    /// The assumed length, m.
+    pub fn assumed_m(&self) -> f64 {
+        self.values_m[self.index]
+    }
+
+    /// Takes in a measurement of the length with its 1-σ, m. The lines stay where the assumed length
+    /// puts them, so that its distance from the measured one is an error, too.
+    pub fn take_measured(&mut self, value_m: f64, sigma_m: f64) {
+        self.error_m = sigma_m.hypot(value_m - self.assumed_m());
+    }
+
+    /// The field at another length, clamped to what the rules allow, and the translation of the base
+    /// from which what is seen projects as before, m.
+    pub fn at_length(&self, length_m: f64) -> Option<(FieldModel, Vec3)> {
+        let length_m = length_m.clamp(self.param().min_m, self.param().max_m);
+        let mut values_m = self.values_m.clone();
+        values_m[self.index] = length_m;
+        let field = self.size.field_with_lengths(&values_m)?;
+        Some((field, self.base_shift(length_m)))
+    }
+
+    /// Translation of the base with what it has seen, m.
+    pub fn base_shift(&self, length_m: f64) -> Vec3 {
+        self.axis * (self.by_seen * (length_m - self.assumed_m()))
+    }
+
+    /// 1-σ of a measurement on paint at least, m: the error of the base is common to all frames.
+    pub fn least_sigma_m(&self) -> f64 {
+        self.likely
+            .first()
+            .map_or(0.0, |(field, _)| alone_sigma_m(field))
+    }
+
+    /// 1-σ in a picture of the lines that do not move with what was seen, px; 0 if it shows none of
+    /// them at any likely length.
+    pub fn sigma_px(&self, base: &CameraBase, ptz: Ptz, image: ImageSize) -> f64 {
+        // The median over the samples of each length, the largest over the lengths: lines that may
+        // be in the picture count.
+        let motions = self.likely.iter().filter_map(|(field, shift_m)| {
+            self.median_motion_px(field, &PtzCamera::new(moved(base, *shift_m), ptz), image)
+        });
+        motions.fold(0.0, f64::max) * self.error_m
+    }
+
+    /// The median motion of the lines in a picture relative to what was seen, px per metre of
+    /// length. None if too few samples move.
+    fn median_motion_px(
+        &self,
+        field: &FieldModel,
+        camera: &PtzCamera,
+        image: ImageSize,
+    ) -> Option<f64> {
+        let moves = telling_samples(field, camera, image, self.axis)
+            .into_iter()
+            .map(|(line, px_per_m)| px_per_m * (self.by_line[line] - self.by_seen).abs());
+        // An end moves by half of the length's error, hence half the threshold.
+        let mut telling: Vec<f64> = moves
+            .filter(|px| *px >= TELLING_PX / 2.0 * image.scale_from_1920())
+            .collect();
+        median_high(&mut telling).filter(|_| telling.len() >= ENOUGH_SAMPLES)
+    }
+
+    /// The motion of each line per metre of the length, from a difference at its midpoint. None if
+    /// the template has no other field near by.
+    fn motions_of_lines(&self) -> Option<Vec<f64>> {
+        const STEP_SIGMAS: f64 = 0.1;
+        let step_m = STEP_SIGMAS * self.sigma_m;
+        let (smaller, _) = self.at_length(self.assumed_m() - step_m)?;
+        let (larger, _) = self.at_length(self.assumed_m() + step_m)?;
+        // Lengths are clamped to the rules, so the actual step may be shorter.
+        let name = &self.param().name;
+        let by_m = larger.params.get(name)? - smaller.params.get(name)?;
+        let is_comparable = by_m > 0.0 && smaller.lines.len() == larger.lines.len();
+        let lines = smaller.lines.iter().zip(&larger.lines);
+        let motions = lines.map(|(smaller, larger)| {
+            let [from, to] = [smaller, larger].map(|line| line.paint_centre.point_at(0.5));
+            (to - from).dot(&self.axis) / by_m
+        });
+        is_comparable.then(|| motions.collect())
+    }
+}
+
+/// Whether a person or a file states the size of a field, so that it is not open.
+pub(in crate::calibrate) fn is_size_stated(size: &FieldSize) -> bool {
+    !matches!(size, FieldSize::Assumed | FieldSize::Fitted)
+}
+
+/// A base at another place.
+pub(super) fn moved(base: &CameraBase, by_m: Vec3) -> CameraBase {
+    CameraBase {
+        position_m: base.position_m + by_m,
+        ..*base
+    }
+}
+
+/// Samples of the lines in a picture: the line, and the motion of the sample along its normal in
+/// the picture per metre of motion along an axis, px.
+fn telling_samples(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    image: ImageSize,
+    axis: Vec3,
+) -> Vec<(usize, f64)> {
+    const STEP_M: f64 = 0.05;
+    let options = SampleOptions {
+        spacing_px: SPACING_PX * image.scale_from_1920(),
+        ..SampleOptions::default()
+    };
+    let samples = sample_lines(field, camera, image, &options).into_iter();
+    // The derivative of the image point along the axis, as a forward difference. A motion along the
+    // line cannot be seen, so only its component along the normal counts.
+    let moved = samples.filter_map(|sample| {
+        let beside = camera.image_from_world(sample.at + axis * STEP_M).ok()?;
+        let move_px = Vec2::new(beside.x - sample.image.x, beside.y - sample.image.y);
+        Some((sample.line, (move_px.dot(&sample.normal) / STEP_M).abs()))
+    });
+    moved.collect()
+}
