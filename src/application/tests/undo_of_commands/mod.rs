@@ -45,7 +45,10 @@ fn undo_of_every_command_gives_back_what_was_there() {
         let checked = catch_unwind(AssertUnwindSafe(|| check(command, &change)));
         match checked {
             Ok(Ok(())) => {}
-            Ok(Err(why)) => failed.push(format!("{command:?}: {why}")),
+            Ok(Err(why)) => {
+                eprintln!("{command:?}: {why}");
+                failed.push(format!("{command:?}: {why}"));
+            }
             Err(_) => failed.push(format!("{command:?}: see the panic above")),
         }
     }

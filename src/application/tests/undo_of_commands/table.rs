@@ -18,7 +18,8 @@ use touchline_application::app::{
 use touchline_calibration::autocalibrate::AutocalibrationAnswer;
 use touchline_core::geometry::{ImagePoint, Vec2};
 use touchline_documents::document::{
-    ClickNoise, Document, Extra, Frame, RejectReason, Repeat, ShotKind, Target, document_to_string,
+    ClickNoise, Clip, Document, Extra, Frame, RejectReason, Repeat, ShotKind, Target,
+    document_to_string,
 };
 use touchline_documents::exchange::Format;
 
@@ -146,6 +147,15 @@ fn bumped() -> Document {
     which_camera::document(24, 12, 2.0, &mut rng("undo of a new camera"))
 }
 
+/// Every frame belongs to one shot and has a camera that is suggested.
+fn in_one_shot() -> Document {
+    let mut document = suggested();
+    for frame in &mut document.frames {
+        frame.clip = Some(Clip::Number(1));
+    }
+    document
+}
+
 /// The demo match as it was before its last three pictures came.
 fn without_last() -> Document {
     let mut document = demo();
@@ -199,7 +209,7 @@ pub fn plan(command: Command) -> Plan {
             scene.edit(EditAction::AcceptAll);
         }),
         C::AcceptStretch => change(
-            suggested,
+            in_one_shot,
             |scene| {
                 scene.wait_until("the line checks", |app| {
                     (0..27).all(|frame| app.paint_says(frame).is_some())
