@@ -38,9 +38,9 @@ impl StepEdit {
 
 impl History<Document> {
     /// Updates the history for an edit from `before` to `after` (both without suggestions), as the
-    /// history did in which the edit was made; `suggestions` is what it did to these. An edit that is not a step, or does not fit its
-    /// step, clears the history if it changed the user's work, because nothing before it can be
-    /// undone.
+    /// history did in which the edit was made; `suggestions` is what it did to these. An edit that
+    /// is not a step, or does not fit its step, clears the history if it changed the user's work,
+    /// because nothing before it can be undone.
     pub fn follow(
         &mut self,
         [before, after]: [&Document; 2],

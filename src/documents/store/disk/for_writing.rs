@@ -97,7 +97,7 @@ impl OpenForWriting {
         let mut history = self.history.clone();
         let [before, after] = [&self.document, result].map(Document::without_suggestions);
         let step = EditKind::Step { frame: None };
-        history.follow(&before, &after, name.to_owned(), step);
+        history.follow([&before, &after], Vec::new(), name.to_owned(), step);
         Some(history)
     }
 
