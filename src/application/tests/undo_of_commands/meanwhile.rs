@@ -1,6 +1,6 @@
 //! What a person does while work goes on in the background stays when its result comes.
 
-use super::documents::{demo, imported, turned, unseen, video};
+use super::documents::{demo, displaced, imported, turned, unseen, video};
 use super::scene::Scene;
 use crate::bench::base;
 use crate::find_camera_in_app::{found_camera, unknown};
@@ -28,22 +28,22 @@ const WORK: [Work; 7] = [
     },
     Work {
         command: Command::RefineBaseOnShot,
-        document: super::documents::displaced,
+        document: displaced,
         end: Scene::run_last,
     },
     Work {
         command: Command::MendCameras,
-        document: imported,
+        document: || few(imported()),
         end: Scene::run_last,
     },
     Work {
         command: Command::Snap,
-        document: || turned(0.3),
+        document: || few(turned(0.3)),
         end: Scene::run_last,
     },
     Work {
         command: Command::SearchLines,
-        document: unseen,
+        document: || few(unseen()),
         end: Scene::run_last,
     },
     Work {
@@ -63,6 +63,14 @@ const WORK: [Work; 7] = [
         },
     },
 ];
+
+/// The first frames of a document: each piece of work is done once for each edit.
+fn few(mut document: Document) -> Document {
+    while document.frames.len() > 6 {
+        document.frames.pop();
+    }
+    document
+}
 
 /// What a person does in a frame or beside it.
 #[derive(Clone, Copy, Debug)]

@@ -301,8 +301,8 @@ pub fn plan(command: Command) -> Plan {
             },
             |scene| scene.command(C::NewCameraFromChange),
         ),
-        C::KeepBurntIn => given(suggested, find_burnt_in, |scene| scene.command(C::KeepBurntIn)),
-        C::ChangeBurntIn => given(suggested, find_burnt_in, |scene| scene.command(C::ChangeBurntIn)),
+        C::KeepBurntIn => given(video, find_burnt_in, |scene| scene.command(C::KeepBurntIn)),
+        C::ChangeBurntIn => given(video, find_burnt_in, |scene| scene.command(C::ChangeBurntIn)),
         C::ConfirmFieldSize => change(demo, nothing, |scene| scene.command(C::ConfirmFieldSize)),
         C::ChooseSport => change(blank, nothing, |scene| {
             scene.command(C::ChooseSport);
