@@ -18,7 +18,7 @@ pub const TESTS: &[Test] = tests![
 
 /// The five clicked frames of a basketball video, as a document in a new folder.
 fn clicked_court(place: &Path) -> Document {
-    let text = include_str!("../benches/relocalize/clicks/basketball.json");
+    let text = include_str!("../laboratory/benches/relocalize/clicks/basketball.json");
     let video = frames_folder().join("video-basketball/clip.mp4");
     fs::write(
         place.join("clicks.json"),

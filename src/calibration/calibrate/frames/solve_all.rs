@@ -162,8 +162,9 @@ mod tests {
         {
             let mut frame = Frame::from_image(&number.to_string(), "main".into(), size);
             for name in ["centre_mark", "halfway_near", "halfway_far"] {
-                let point = field.landmark(&name.into()).unwrap().position;
-                if let Some(at) = shown.project(point) {
+                let landmark = field.landmark(name).unwrap();
+                let at = shown.image_from_world(field.world_from_nominal(landmark.nominal_m));
+                if let Ok(at) = at {
                     frame.clicks.push(Click::landmark(name.into(), at));
                 }
             }
