@@ -108,7 +108,7 @@ LABORATORY = --manifest-path tests/laboratory/Cargo.toml --target-dir $(TARGET)
 laboratory: build-packages ## lint and test the laboratory, which measures the paper's tables and figures (tests/laboratory/README.md)
 	cargo fmt --manifest-path tests/laboratory/Cargo.toml --check
 	cargo clippy $(LABORATORY) --all-targets -- -D warnings
-	cargo test $(LABORATORY)
+	cargo test $(LABORATORY) $(if $(TOUCHLINE_DATA),-- --include-ignored)
 	tests/experiments/recompute.py
 
 experiments: build-packages ## measure the paper's tables and figures again, into tests/experiments

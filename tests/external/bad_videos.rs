@@ -3,7 +3,7 @@
 use crate::files::{behind_path, cut, new_file};
 use crate::parts::{Test, tests};
 use crate::program::touchline;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use touchline::geometry::ImageSize;
 use touchline::media::{MediaError, Video, VideoBackend, load_image};
@@ -293,9 +293,6 @@ fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
         new_file(folder, "a.mp4", &run_ffmpeg(folder, "a.mp4", CARD));
-        let project = touchline(folder, "new made --field soccer --frames a.mp4");
-        assert_eq!(project.code, 0, "{}", project.stderr);
-        let before = std::fs::read(folder.join("made/project.json")).unwrap();
         // 40 frames of 160 × 90 px, RGBA.
         let some_frames = format!("REAL \"$@\" | head -c {}", 40 * 160 * 90 * 4);
         let cases = [
@@ -306,10 +303,24 @@ fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
             ("ffmpeg", format!("{some_frames}; {DIE}"), KILLED),
             ("ffprobe", DIE.to_owned(), KILLED),
         ];
-        let calibrate = "calibrate a.mp4 -o made --force";
+        // Each into a project of its own, which it would replace.
+        let projects: Vec<(PathBuf, Vec<u8>)> = (0..cases.len())
+            .map(|case| {
+                let new = format!("new made{case} --field soccer --frames a.mp4");
+                let project = touchline(folder, &new);
+                assert_eq!(project.code, 0, "{}", project.stderr);
+                let file = folder.join(format!("made{case}/project.json"));
+                let bytes = std::fs::read(&file).unwrap();
+                (file, bytes)
+            })
+            .collect();
         let children: Vec<Child> = cases
             .iter()
-            .map(|(replaced, script, _)| start_with(folder, replaced, script, calibrate))
+            .enumerate()
+            .map(|(case, (replaced, script, _))| {
+                let calibrate = format!("calibrate a.mp4 -o made{case} --force");
+                start_with(folder, replaced, script, &calibrate)
+            })
             .collect();
         for ((replaced, script, reason), child) in cases.iter().zip(children) {
             let output = child.wait_with_output().unwrap();
@@ -324,8 +335,9 @@ fn an_ffmpeg_that_dies_or_hangs_costs_one_line_and_nothing_else() {
                 "{script}"
             );
         }
-        let after = std::fs::read(folder.join("made/project.json")).unwrap();
-        assert_eq!(before, after);
+        for (file, before) in projects {
+            assert_eq!(before, std::fs::read(file).unwrap());
+        }
         #[cfg(target_os = "linux")]
         assert_eq!(find_running(folder), [""; 0]);
     }

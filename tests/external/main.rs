@@ -24,7 +24,6 @@ mod parts;
 #[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/program.rs"]
 mod program;
-mod published_data;
 mod real_base;
 mod real_base_in_app;
 mod real_cameras;
@@ -54,7 +53,6 @@ fn main() -> ExitCode {
         overlay_pixels::TESTS,
         overlay_projection::TESTS,
         #[cfg(feature = "opencv")]
-        published_data::TESTS,
         real_base::TESTS,
         real_base_in_app::TESTS,
         real_cameras::TESTS,

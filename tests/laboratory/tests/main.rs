@@ -9,6 +9,7 @@
 mod command;
 mod committed_report;
 mod given_data;
+mod published_data;
 
 use std::path::Path;
 use std::process::Command;

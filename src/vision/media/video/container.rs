@@ -126,13 +126,14 @@ fn stream_demuxer(head: &[u8]) -> Option<&'static str> {
     if is_transport_stream(head) {
         return Some("mpegts");
     }
-    // A bare stream of H.264 begins with a parameter set or a delimiter, one of HEVC likewise: the
-    // kind of a unit is in the lowest five bits of its first byte, or in the middle six.
+    // A bare stream of H.264 begins with a parameter set, a delimiter or what its encoder says of
+    // itself, one of HEVC likewise: the kind of a unit is in the lowest five bits of its first byte,
+    // or in the middle six.
     let after_zeros = head.iter().position(|byte| *byte != 0).unwrap_or_default();
     match (after_zeros, head.get(after_zeros..after_zeros + 2)) {
         (2 | 3, Some(&[1, unit])) if unit & 0x80 == 0 => match (unit & 31, unit >> 1) {
-            (7 | 9, _) => Some("h264"),
-            (_, 32 | 33 | 35) => Some("hevc"),
+            (7 | 9, _) | (_, 3) => Some("h264"),
+            (_, 32 | 33 | 35 | 39) => Some("hevc"),
             _ => None,
         },
         _ => None,
