@@ -34,8 +34,6 @@ pub use base::base_on_paint::{BaseOnPaint, PictureOf, PulledFrames, estimate_on_
 pub use base::follow_base::follow_all_bases;
 pub(crate) use base::follow_base::withdraw;
 pub(crate) use base::known_frames::{KnownFrames, PaintEstimate};
-pub(crate) use base::measured_length::LENGTH_UNSEEN;
-pub use base::measured_length::{LengthOnLines, take_length};
 pub use base::on_paint::{BasePaintAlignment, BasePaintEvidence, OnPaintErrors};
 pub use base::own_cameras::{OwnCameraError, OwnCameras, give_own_cameras};
 pub(crate) use base::paint_observations::{AT_ONCE, KnownCameras};
@@ -57,6 +55,8 @@ pub use check::{
     Fault, PictureCheck, Problem, check_cameras, check_pictures, check_solutions, check_still_runs,
     check_values, impossible_camera,
 };
+pub(crate) use clip::measured_length::LENGTH_UNSEEN;
+pub use clip::measured_length::{LengthOnLines, take_length};
 pub(crate) use clip::record_tracked_frame;
 pub use clip::{
     ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipSpan, ClipStop, MovedReference,

@@ -160,11 +160,12 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
         Ok(())
     })?;
     progress.finish_and_clear();
-    write_file(
-        &args.output.join(TRUTH_FILE),
-        document_to_string(&drawn.truth)?.as_bytes(),
-        args.force,
-    )?;
+    // An earlier truth is a document, which no other file replaces: it goes first.
+    let truth = args.output.join(TRUTH_FILE);
+    if args.force && truth.is_file() {
+        fs::remove_file(&truth).with_context(|| format!("cannot replace {}", truth.display()))?;
+    }
+    write_file(&truth, document_to_string(&drawn.truth)?.as_bytes(), false)?;
     // The truth is written first. It marks the folder as one that this command may draw over.
     let location = Location::for_new_document(&args.output.join(""))?;
     write_document(&location, &drawn.project, args.force)?;

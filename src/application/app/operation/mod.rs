@@ -15,12 +15,14 @@
 //! stops it, a newer one of the same kind replaces it, another document is opened) therefore also
 //! ends its work, without further code.
 
+mod as_it_was;
 mod job;
 #[cfg(test)]
 pub(crate) mod probe;
 mod report;
 mod slot;
 
+pub use as_it_was::AsItWas;
 pub use job::{Context, Decoders, Job};
 pub use report::Report;
 pub use slot::{RequestId, Running, Slot};

@@ -5,10 +5,10 @@
 //! Only the base and the field's size are taken over, as one step of undo. Then the clip is tracked
 //! with them as usual; the points that were followed for the refinement are reused.
 
+use crate::app::operation::AsItWas;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::operations::as_it_was::AsItWas;
-use crate::app::operations::clip_tracking::describe_progress;
+use crate::app::operations::clip_tracking::{REFINED, describe_progress};
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
@@ -68,9 +68,6 @@ pub enum BaseRefinementError {
     #[error("stopped; nothing was changed")]
     Stopped,
 }
-
-/// The name of the step of undo, to which the cameras that are tracked with the base belong, too.
-pub(super) const REFINED: &str = "Refine the base on the shot";
 
 /// The running refinement.
 #[derive(Debug, Default)]

@@ -1,9 +1,9 @@
 //! Aligns the camera of the shown frame to the painted lines of its picture (*snap*), or searches
 //! it from the lines alone if the frame has none.
 
+use crate::app::operation::AsItWas;
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::operations::as_it_was::AsItWas;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
@@ -232,7 +232,7 @@ impl App {
                 then: &request.document,
                 now: &open.document,
             };
-            let position = since.unchanged(&request.frame.id)?;
+            let position = since.position_if_unchanged(&request.frame.id)?;
             since
                 .has_base_and_field(&request.frame.camera)
                 .then_some(position)

@@ -1,9 +1,9 @@
 //! Mending the cameras that another program gave for the frames of a video: one step of undo, whose
 //! cameras are one batch of suggestions.
 
+use crate::app::operation::AsItWas;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::operations::as_it_was::AsItWas;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
@@ -110,7 +110,9 @@ impl Mending {
         for index in 0..now.frames.len() {
             let frame = &now.frames[index];
             let mended = mended.frames.by_id(&frame.id);
-            let is_as_it_was = AsItWas { then, now }.unchanged(&frame.id).is_some();
+            let is_as_it_was = AsItWas { then, now }
+                .position_if_unchanged(&frame.id)
+                .is_some();
             if let Some(mended) = mended.filter(|_| is_as_it_was) {
                 take_labels(&mut merged.frames[index], mended);
                 continue;

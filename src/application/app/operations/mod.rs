@@ -6,7 +6,6 @@
 //! a command, are listed in this file, so that the rest of the application names none. A result
 //! joins the document as `as_it_was` says.
 
-mod as_it_was;
 pub mod base_estimate;
 mod base_refinement;
 pub mod bulk_solve;

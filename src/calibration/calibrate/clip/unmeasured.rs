@@ -4,10 +4,8 @@
 use super::certainty::{DIFFER_PX, PaintVerdict};
 use super::error::TrackClipError;
 use super::fit::ClipFit;
-use crate::calibrate::base::measured_length::{
-    FRAMES, LengthOnLines, PosedPicture, measure_length, other_length,
-};
-use crate::calibrate::base::unseen_size::UnseenSize;
+use super::measured_length::{FRAMES, LengthOnLines, PosedPicture, measure_length, other_length};
+use super::unseen_size::UnseenSize;
 use std::collections::BTreeSet;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, subsample};
@@ -96,8 +94,8 @@ impl Unmeasured {
 mod tests {
     use super::super::certainty::{TrackedOverlay, confidence};
     use super::*;
-    use crate::calibrate::base::measured_length::take_length;
     use crate::calibrate::fixtures::document_with;
+    use crate::calibrate::take_length;
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::field::builtin;

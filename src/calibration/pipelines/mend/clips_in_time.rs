@@ -75,7 +75,7 @@ impl ClipInTime {
             out_of_line: Vec::new(),
             typical_px: 0.0,
         };
-        let mut solved = run.solved(document);
+        let mut solved = run.solved_frames(document);
         let most_out = MOST_OUT * solved.len() as f64;
         run.out_of_line = take_out_of_line(document, &mut solved);
         let mut apart: Vec<f64> = solved
@@ -93,7 +93,7 @@ impl ClipInTime {
     }
 
     /// The frames with a camera. A person found that of a rejected frame wrong.
-    pub fn solved(&self, document: &Document) -> Vec<usize> {
+    pub fn solved_frames(&self, document: &Document) -> Vec<usize> {
         let mut solved = self.frames.clone();
         solved.retain(|index| {
             let frame = &document.frames[*index];

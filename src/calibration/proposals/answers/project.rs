@@ -435,7 +435,7 @@ impl Project {
         };
         let came = self
             .suggestions
-            .imported(id)
+            .imported_camera(id)
             .cloned()
             .or_else(|| recorded_import(gone, now.camera_of(frame)?));
         let Some((came, base)) = came.and_then(|came| came.base.map(|base| (came, base))) else {

@@ -311,7 +311,7 @@ impl Suggestions {
     }
 
     /// The latest camera of another program for a frame, for any base.
-    pub fn imported(&self, frame: &FrameId) -> Option<&Suggestion> {
+    pub fn imported_camera(&self, frame: &FrameId) -> Option<&Suggestion> {
         let kept = self.by_frame.get(frame)?.iter();
         let imported = kept.rev().find(|kept| kept.is_imported());
         imported.map(|kept| &kept.suggestion)

@@ -3,6 +3,7 @@
 //! A transaction begins, changes the value any number of times, and commits or aborts. A drag is
 //! one step; a commit without a change adds no step.
 
+use super::suggestion_change::join_changes;
 use crate::document::{Document, EditKind, FrameId, Shared, SuggestionChange};
 use imbl::Vector;
 use serde::{Deserialize, Serialize};
@@ -235,7 +236,10 @@ impl<T: Undoable> History<T> {
             self.done.push_back((step, before));
             return true;
         }
-        step.add_suggestions(suggestions);
+        if !suggestions.is_empty() {
+            let known = std::mem::take(&mut *step.suggestions);
+            *step.suggestions = join_changes(known, suggestions);
+        }
         if before.is_same_state(current) && step.suggestions.is_empty() {
             // The undone steps start from the result of the resumed step: repeating one would
             // bring back what the user has just changed back.

@@ -2,7 +2,7 @@
 //! suggestions, because those of the forest come and go by themselves; what a command of the user
 //! suggested or discarded is kept with its step, so that undo gives it back.
 
-use crate::document::{Document, Frame, FrameId, Shared, Step, Suggestion};
+use crate::document::{Document, Frame, FrameId, Shared, Suggestion};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -60,22 +60,19 @@ impl Document {
     }
 }
 
-impl Step {
-    /// Adds what a continuation of the step did to suggestions.
-    pub(super) fn add_suggestions(&mut self, changes: Vec<SuggestionChange>) {
-        if changes.is_empty() {
-            return;
+/// What a step and its continuation did to suggestions.
+pub(super) fn join_changes(
+    known: Vec<SuggestionChange>,
+    continued: Vec<SuggestionChange>,
+) -> Vec<SuggestionChange> {
+    let known = known.into_iter().map(|known| (known.id.clone(), known));
+    let mut all: BTreeMap<FrameId, SuggestionChange> = known.collect();
+    for change in continued {
+        match all.get_mut(&change.id) {
+            Some(known) => known.after = change.after,
+            None => drop(all.insert(change.id.clone(), change)),
         }
-        let known = std::mem::take(&mut *self.suggestions).into_iter();
-        let mut all: BTreeMap<FrameId, SuggestionChange> =
-            known.map(|known| (known.id.clone(), known)).collect();
-        for change in changes {
-            match all.get_mut(&change.id) {
-                Some(known) => known.after = change.after,
-                None => drop(all.insert(change.id.clone(), change)),
-            }
-        }
-        all.retain(|_, change| change.before != change.after);
-        *self.suggestions = all.into_values().collect();
     }
+    all.retain(|_, change| change.before != change.after);
+    all.into_values().collect()
 }

@@ -199,6 +199,11 @@ fn head_of(path: &Path) -> Vec<u8> {
 
 /// Whether the beginning of a file states the format of documents; a damaged one does, too.
 fn states_format(head: &[u8]) -> bool {
+    // Forests hold documents' parts, after a beginning of their own.
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    if head.trim_ascii_start().first() != Some(&b'{') {
+        return false;
+    }
     let text = String::from_utf8_lossy(head);
     let words: String = text.split_whitespace().collect();
     words.contains(&format!("\"format\":\"{FORMAT_NAME}\""))

@@ -1,7 +1,7 @@
 //! The length of the field, measured while a clip is tracked: it is told to the user, who may take
 //! it over. A length that a person stated stays as it is.
 
-use crate::app::operations::as_it_was::AsItWas;
+use crate::app::operation::AsItWas;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use touchline_calibration::calibrate::{BulkChange, LengthOnLines, take_length};

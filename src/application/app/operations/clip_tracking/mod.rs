@@ -24,6 +24,10 @@ use tracking::Cause;
 pub use tracking::ClipTracking;
 pub(super) use words::describe_progress;
 
+/// The name of the step of undo of a refined base, to which the cameras that are tracked with it
+/// belong, too.
+pub(super) const REFINED: &str = "Refine the base on the shot";
+
 /// The running tracking, and the last result.
 #[derive(Debug, Default)]
 pub(in crate::app) struct ClipTrackingState {

@@ -3,10 +3,10 @@
 //! are not taken over.
 
 use super::LastTracking;
+use super::REFINED;
 use super::tracking::{Cause, ClipTracking, TrackingOutcome};
 use super::words::{describe_followed, describe_tracked};
-use crate::app::operations::as_it_was::AsItWas;
-use crate::app::operations::base_refinement::REFINED;
+use crate::app::operation::AsItWas;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use touchline_calibration::proposals::{BatchId, Finder, suggest_tracked_clip};

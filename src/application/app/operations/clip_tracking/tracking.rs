@@ -2,8 +2,8 @@
 //! What becomes of the outcome in the document is in `suggestions.rs`.
 
 use crate::app::App;
+use crate::app::operation::AsItWas;
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::operations::as_it_was::AsItWas;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
@@ -144,7 +144,7 @@ impl ClipTracking {
         // `of.place` is a position in the document that was tracked.
         let frames = tracked.frames.iter().filter_map(|of| {
             let then = self.document.frames.get(of.place)?;
-            let place = since.untouched(&then.id)?;
+            let place = since.position_if_untouched(&then.id)?;
             let frame = &now.frames[place];
             let is_in_shot = shot.as_ref().is_none_or(|shot| *shot == frame.clip);
             (frame.is_open() && is_in_shot).then(|| TrackedFrame {

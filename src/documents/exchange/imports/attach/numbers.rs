@@ -48,14 +48,14 @@ pub fn numbers_in_names(names: &[String]) -> Vec<NameNumbers> {
         .map(|run| NameNumbers {
             numbers: column(&runs, run).collect(),
             shown_at: (differing.len() > 1)
-                .then(|| shown_at(names.first()?, run))
+                .then(|| text_of_run(names.first()?, run))
                 .flatten(),
         })
         .collect()
 }
 
 /// A run of a name with the letters before it, and the name.
-fn shown_at(name: &str, run: usize) -> Option<String> {
+fn text_of_run(name: &str, run: usize) -> Option<String> {
     let name = base_name(name);
     let stem = without_word_ending(name);
     let mut ends = stem

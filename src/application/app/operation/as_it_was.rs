@@ -9,7 +9,7 @@ use touchline_documents::document::{Camera, CameraId, Document, Frame, FrameId};
 
 /// The document when some work began, and as it is now.
 #[derive(Clone, Copy)]
-pub(super) struct AsItWas<'a> {
+pub struct AsItWas<'a> {
     pub then: &'a Document,
     pub now: &'a Document,
 }
@@ -31,7 +31,7 @@ impl AsItWas<'_> {
 
     /// The present position of a frame in which nobody has worked since: camera, clicks, decision
     /// and solution are those of then. Suggestions, the shot, comments and masks may differ.
-    pub fn untouched(self, id: &FrameId) -> Option<usize> {
+    pub fn position_if_untouched(self, id: &FrameId) -> Option<usize> {
         let then = self.then.frames.by_id(id)?;
         let position = self.now.frames.position_of(id)?;
         let now = &self.now.frames[position];
@@ -41,7 +41,7 @@ impl AsItWas<'_> {
     }
 
     /// The same for a frame that shows the same suggestion, too, because the result replaces it.
-    pub fn unchanged(self, id: &FrameId) -> Option<usize> {
+    pub fn position_if_unchanged(self, id: &FrameId) -> Option<usize> {
         let position = self.now.frames.position_of(id)?;
         let then = self.then.frames.by_id(id)?;
         has_same_labels(then, &self.now.frames[position]).then_some(position)
@@ -106,7 +106,10 @@ mod tests {
                 then: &then,
                 now: &now,
             };
-            [pair.untouched(&id), pair.unchanged(&id)]
+            [
+                pair.position_if_untouched(&id),
+                pair.position_if_unchanged(&id),
+            ]
         };
         for change in beside {
             assert_eq!(joins(&change), [Some(0), Some(0)]);

@@ -6,8 +6,8 @@
 //! moved along with what the known cameras saw so that this projects as before. The right length
 //! puts the other lines onto their paint. The frames keep pan, tilt and focal length.
 
-use super::field_size::set_field_size;
-use super::unseen_size::{UnseenSize, is_size_stated, moved};
+use super::unseen_size::{UnseenSize, is_size_stated, move_base};
+use crate::calibrate::base::field_size::set_field_size;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldError;
@@ -157,7 +157,7 @@ fn worths(unseen: &UnseenSize, looks: &[PosedPicture], length_m: f64) -> Vec<f64
     // factor suffices alone: each is highest at a length at which the lines in question leave the
     // picture.
     let worth = |look: &PosedPicture| {
-        let camera = PtzCamera::new(moved(&look.base, shift_m), look.ptz);
+        let camera = PtzCamera::new(move_base(&look.base, shift_m), look.ptz);
         let check = check_lines(&look.ground, &field, &camera);
         check.agreement * (1.0 - check.unexplained.unwrap_or(0.0))
     };

@@ -13,8 +13,8 @@
 //! what is seen moves as the mean share. The variance of the slope, joined with that of the rules,
 //! is what remains open: all of it where one part alone is seen.
 
-use super::size_fit::OpenSize;
-use super::size_on_paint::alone_sigma_m;
+use crate::calibrate::base::size_fit::OpenSize;
+use crate::calibrate::base::size_on_paint::alone_sigma_m;
 use crate::calibrate::is_anchor;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel};
@@ -229,7 +229,11 @@ impl UnseenSize {
         // The median over the samples of each length, the largest over the lengths: lines that may
         // be in the picture count.
         let motions = self.likely.iter().filter_map(|(field, shift_m)| {
-            self.median_motion_px(field, &PtzCamera::new(moved(base, *shift_m), ptz), image)
+            self.median_motion_px(
+                field,
+                &PtzCamera::new(move_base(base, *shift_m), ptz),
+                image,
+            )
         });
         motions.fold(0.0, f64::max) * self.error_m
     }
@@ -278,7 +282,7 @@ pub(in crate::calibrate) fn is_size_stated(size: &FieldSize) -> bool {
 }
 
 /// A base at another place.
-pub(super) fn moved(base: &CameraBase, by_m: Vec3) -> CameraBase {
+pub(super) fn move_base(base: &CameraBase, by_m: Vec3) -> CameraBase {
     CameraBase {
         position_m: base.position_m + by_m,
         ..*base
