@@ -232,7 +232,7 @@ impl MendingNumbers<'_> {
     /// Interpolates pan, tilt and the logarithm of the focal length over short gaps.
     fn interpolate_gaps(&mut self, clip: &ClipInTime) {
         let mended = &self.mended;
-        let solved: BTreeSet<usize> = clip.solved(mended).into_iter().collect();
+        let solved: BTreeSet<usize> = clip.solved_frames(mended).into_iter().collect();
         let is_missing = |index: usize| {
             let frame = &mended.frames[index];
             frame.ptz.is_none() && frame.is_open()
