@@ -219,6 +219,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let (frames, project) = (root.path().join("frames"), root.path().join("project"));
         std::fs::create_dir(&frames).unwrap();
+        std::fs::create_dir(&project).unwrap();
         write(&frames, &["2.png", "4.png", "5.png"]);
         let mut document = made_of(&frames, &project, 1);
         document.frames[1].camera = "side".into();

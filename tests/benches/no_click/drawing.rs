@@ -3,9 +3,8 @@
 use image::codecs::jpeg::JpegEncoder;
 use std::path::Path;
 use touchline::camera::{CameraBase, PtzCamera};
-use touchline::document::{Camera, CameraId, Document, FieldSpec, Frame, VideoFrame};
+use touchline::document::{Camera, CameraId, Document, FieldSpec, Frame};
 use touchline::geometry::ImageSize;
-use touchline::media::VideoInfo;
 use touchline::synthetic::{FrameOptions, PathStep, ShootOptions, Stadium, camera_path};
 
 /// The size of the pictures.
@@ -20,23 +19,6 @@ pub fn document(field: FieldSpec, size: ImageSize) -> Document {
     document
         .cameras
         .push(Camera::new(CameraId::from(CAMERA), size).into());
-    document
-}
-
-/// Every `stride`-th frame of a video, as a new document.
-pub fn document_of_video(
-    video: &str,
-    info: &VideoInfo,
-    field: FieldSpec,
-    stride: usize,
-) -> Document {
-    let mut document = document(field, info.size);
-    for index in (0..info.decoded_frames).step_by(stride) {
-        let frame = VideoFrame::new(video, index as u64, info.pts_s(index));
-        document
-            .frames
-            .push(Frame::from_video(frame, CameraId::from(CAMERA), info.size).into());
-    }
     document
 }
 

@@ -18,9 +18,10 @@ mod arguments;
 #[allow(dead_code, reason = "other benches draw folders of pictures")]
 mod drawing;
 mod scaled_camera;
+mod video_document;
 
 use arguments::Arguments;
-use drawing::{CAMERA, SIZE, Shot, document_of_video, shots};
+use drawing::{CAMERA, SIZE, Shot, shots};
 use image::imageops::{FilterType, resize};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::StandardNormal;
@@ -42,6 +43,7 @@ use touchline::pipelines::{TrackingEvent, TrackingOptions, track_clips};
 use touchline::progress::Progress;
 use touchline::synthetic::{Preset, ShootOptions, StadiumOptions, stadium};
 use touchline_laboratory::corners_apart_px;
+use video_document::document_of_video;
 
 /// The size of the shared video, two thirds of what is drawn.
 const SHARED: ImageSize = ImageSize::new(640, 360);

@@ -277,10 +277,12 @@ fn what_the_owner_did_since_the_split_stays() {
         let ran = touchline(place.path(), command);
         assert_eq!(ran.code, 1, "{}", ran.stderr);
         assert!(ran.stderr.contains("1 conflict\n"), "{}", ran.stderr);
-        let merged = document(&match command == all {
-            true => at("merged.json"),
-            false => at("match"),
-        });
+        let merged = if command == all {
+            "merged.json"
+        } else {
+            "match"
+        };
+        let merged = document(&at(merged));
         let wanted = ["owner", "first", "", "", "owner", "second"];
         assert_eq!(comments(&merged), wanted, "{command}");
         assert_eq!(merged.field.params["length_m"], 102.0);

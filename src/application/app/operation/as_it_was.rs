@@ -9,7 +9,7 @@ use touchline_documents::document::{Camera, CameraId, Document, Frame, FrameId};
 
 /// The document when some work began, and as it is now.
 #[derive(Clone, Copy)]
-pub struct AsItWas<'a> {
+pub(in crate::app) struct AsItWas<'a> {
     pub then: &'a Document,
     pub now: &'a Document,
 }
@@ -64,6 +64,8 @@ mod tests {
     use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
     use touchline_documents::document::{Click, Clip, FieldSpec, FramePtz, FrameStatus};
 
+    type Change = fn(&mut Frame);
+
     #[test]
     fn a_frame_counts_as_it_was_unless_someone_worked_in_it() {
         let mut then = Document::new(FieldSpec::new("soccer"));
@@ -75,7 +77,6 @@ mod tests {
             frame.status = FrameStatus::Suggested;
             frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
         };
-        type Change = fn(&mut Frame);
         let beside: [Change; 4] = [
             |frame| frame.clip = Some(Clip::Number(1)),
             |frame| frame.comment = Some("rain".to_owned()),
@@ -94,7 +95,7 @@ mod tests {
             |frame| {
                 frame
                     .clicks
-                    .push(Click::without_name(ImagePoint::new(1.0, 1.0)))
+                    .push(Click::without_name(ImagePoint::new(1.0, 1.0)));
             },
             |frame| frame.status = FrameStatus::Rejected,
             |frame| frame.status = FrameStatus::Reference,

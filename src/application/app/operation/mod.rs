@@ -22,7 +22,7 @@ pub(crate) mod probe;
 mod report;
 mod slot;
 
-pub use as_it_was::AsItWas;
+pub(in crate::app) use as_it_was::AsItWas;
 pub use job::{Context, Decoders, Job};
 pub use report::Report;
 pub use slot::{RequestId, Running, Slot};

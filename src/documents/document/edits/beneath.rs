@@ -119,7 +119,7 @@ mod tests {
         history.undo(&mut document);
         let before = document.clone();
         let mark = |document: &mut Document| {
-            for frame in document.frames.iter_mut() {
+            for frame in &mut document.frames {
                 frame.clip = Some(Clip::Number(1));
             }
             document.shots = vec![Shot {

@@ -33,7 +33,7 @@ pub fn refuse_oblong_pixels(fx: f64, fy: f64) -> Result<(), Problem> {
 /// # Errors
 /// They are.
 pub fn refuse_skewed_pixels(fx: f64, fy: f64, skew: f64) -> Result<(), Problem> {
-    if are_oblong_pixels(fx, fy) || skew.abs() >= SQUARE * fx.abs() {
+    if are_oblong_pixels(fx, fy) || skew.abs() > SQUARE * fx.abs() {
         let what = format!("focal lengths {fx} and {fy} px, skew {skew}");
         return Err(not_square(what));
     }

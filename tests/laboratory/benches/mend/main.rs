@@ -18,9 +18,11 @@ mod arguments;
 mod drawing;
 mod given;
 mod mixed;
+#[path = "../video_document.rs"]
+mod video_document;
 
 use arguments::Arguments;
-use drawing::{CAMERA, Drawn, document_of_video, draw, shots};
+use drawing::{CAMERA, Drawn, draw, shots};
 use given::{Faults, GOOD, SCATTERED, give};
 use mixed::{CLOSE_UP, mixed_clip};
 use std::collections::BTreeSet;
@@ -33,6 +35,7 @@ use touchline::pipelines::{MatchLabels, MatchOptions, MendOptions, label_match, 
 use touchline::progress::Progress;
 use touchline::store::read;
 use touchline::synthetic::{Preset, ShootOptions, StadiumOptions, stadium};
+use video_document::document_of_video;
 
 /// A frame is right if its lines lie within this distance of the truth, px.
 const RIGHT_PX: f64 = 3.0;

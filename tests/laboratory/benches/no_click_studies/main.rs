@@ -29,6 +29,8 @@ mod real;
 #[path = "../scaled_camera.rs"]
 mod scaled_camera;
 mod spread;
+#[path = "../video_document.rs"]
+mod video_document;
 mod wild;
 
 use answers::Tally;

@@ -1,8 +1,8 @@
 //! Real frames. People's clicks measure the answers; the method is given the pictures alone.
 
 use super::answers::{Measured, Tally, Way, answer, judge_answer};
-use super::drawing::document_of_video;
 use super::gate::Rate;
+use super::video_document::document_of_video;
 use std::path::Path;
 use touchline::autocalibrate::{Abstention, AutocalibrationAnswer};
 use touchline::calibrate::{

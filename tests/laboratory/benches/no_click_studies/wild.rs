@@ -6,9 +6,9 @@
 //! seen to be right are written down here, so that they stay right.
 
 use super::answers::{Tally, Way, answer};
-use super::drawing::document_of_video;
 use super::gate::Rate;
 use super::real::{RIGHT_M, heading};
+use super::video_document::document_of_video;
 use std::path::Path;
 use touchline::autocalibrate::AutocalibrationAnswer;
 use touchline::document::FieldSpec;
