@@ -52,7 +52,6 @@ fn main() -> ExitCode {
         motion_330::TESTS,
         overlay_pixels::TESTS,
         overlay_projection::TESTS,
-        #[cfg(feature = "opencv")]
         real_base::TESTS,
         real_base_in_app::TESTS,
         real_cameras::TESTS,
