@@ -42,7 +42,7 @@ pub(crate) use base::refit::{OnBase, ground_moved_px, ptz_on_base};
 pub(crate) use base::size_fit::OpenSize;
 pub use base::size_fit::describe_size;
 pub(crate) use base::size_on_paint::{
-    ALONE_OPEN_SHARE, OpenField, alone_sigma_m, as_paint_alone_gives,
+    OpenField, UNSTEADY_SHARE, alone_sigma_m, as_paint_alone_gives,
 };
 pub use base_change::{CameraChange, camera_change};
 pub use base_readiness::{

@@ -11,7 +11,7 @@ use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::search::clicked::GroundClick;
 use crate::autocalibrate::{Abstention, Doubt};
-use crate::calibrate::{ALONE_OPEN_SHARE, AutocalibratedCamera, AutocalibratedFrame};
+use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, UNSTEADY_SHARE};
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::Vec3;
 use touchline_core::solve::base::FittedSize;
@@ -136,12 +136,12 @@ pub fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
 /// The reason to reject a camera if its frames show a length of the field, but not the same one each
 /// time that it is measured. A length that they do not show at all is no such reason.
 ///
-/// The 1-σ of a length that they show exceeds [`ALONE_OPEN_SHARE`] where the coarse paint and the
+/// The 1-σ of a length that they show exceeds [`UNSTEADY_SHARE`] where the coarse paint and the
 /// frames' own pictures, or one fit and the next, give other lengths: of drawn clip 9 of the bowl
 /// 103.6 and 115.6 m (104.4 m is right), and 24 of 30 frames agreed with the latter. Of right
 /// cameras it was 0.67 m at most.
 pub fn unsteady_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
-    let worst_m = ALONE_OPEN_SHARE * camera.field.width_m;
+    let worst_m = UNSTEADY_SHARE * camera.field.width_m;
     let is_unsteady = |size: &&FittedSize| !size.is_open && size.sigma_m > worst_m;
     camera.sizes.iter().find(is_unsteady).map(size_doubt)
 }

@@ -31,10 +31,15 @@ use touchline_vision::media::Picture;
 /// instead.
 const ALONE_SHARE: f64 = 0.3 / 68.0;
 
-/// Paint alone does not determine a length that it leaves more uncertain than this (1-σ, as a share
-/// of the field's width: 1 m on a soccer pitch), even where the rules leave it far more open: a far
-/// line that is off by 2 px gives a width that is off by that.
-pub(crate) const ALONE_OPEN_SHARE: f64 = 1.0 / 68.0;
+/// A length that paint alone gives is not steady beyond this 1-σ (a share of the field's width: 1 m
+/// on a soccer pitch): a far line that is off by 2 px gives a width that is off by that.
+pub(crate) const UNSTEADY_SHARE: f64 = 1.0 / 68.0;
+
+/// Paint alone does not determine a length beyond this 1-σ, even where the rules leave it far more
+/// open. A length between the two is shown, but the search goes on: taken for open, its line would
+/// be drawn where the usual size has it, 13 px beside a far touchline whose width was known to
+/// 1.06 m.
+const OPEN_SHARE: f64 = 1.5 * UNSTEADY_SHARE;
 
 /// The minimum 1-σ of a position and of a length on a field, where paint alone determines them, m.
 pub(crate) fn alone_sigma_m(field: &FieldModel) -> f64 {
@@ -45,7 +50,7 @@ pub(crate) fn alone_sigma_m(field: &FieldModel) -> f64 {
 /// it does not determine.
 pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize], field: &FieldModel) {
     for length in sizes {
-        length.is_open |= length.sigma_m > ALONE_OPEN_SHARE * field.width_m;
+        length.is_open |= length.sigma_m > OPEN_SHARE * field.width_m;
         length.cover_error(alone_sigma_m(field));
     }
 }
