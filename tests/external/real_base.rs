@@ -263,7 +263,7 @@ fn only(frame: &FrameClicks, keep: &[usize]) -> FrameClicks {
 /// the rest, px.
 const FEW_FRAMES: [(usize, bool, f64, f64); 10] = [
     (1, false, 4.1, 9.0),
-    (1, true, 6.2, 17.3),
+    (1, true, 5.3, 15.0),
     (2, false, 3.4, 7.1),
     (2, true, 4.4, 9.8),
     (3, false, 3.1, 6.7),

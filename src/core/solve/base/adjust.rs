@@ -10,6 +10,7 @@ use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, ImageSize, Mat3, Vec2, Vec3};
 use crate::solve::Loss;
+use crate::solve::optimiser::least_squares::{Equations, Minimum};
 
 /// Priors of a broadcast camera. They are weak, and matter only where the clicks are few.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,16 +121,34 @@ pub fn adjust_base(
         .unzip();
 
     // Minimise the robust cost of all clicks and the priors.
-    let bundle = Bundle::<OF_BASE> {
+    let mut view = UsualView::from_frames(start, &ptz);
+    let mut bundle = Bundle::<OF_BASE> {
         frames: clicks,
-        priors: options
-            .priors
-            .for_model(model, image_size, &UsualView::from_frames(start, &ptz)),
+        priors: options.priors.for_model(model, image_size, &view),
         free: free_parameters(model),
         loss: options.loss,
     };
     let shared = starting(field, start, image_size, model);
-    let found = bundle.minimum(BundleState { shared, ptz }, options.max_iterations);
+    let mut found = bundle.minimum(BundleState { shared, ptz }, options.max_iterations);
+
+    // A poor start of a few clicks looks elsewhere, with another focal length, than the frames that
+    // are adjusted to it, and the priors of the lens and the lean were those of its view. So make
+    // them again from the adjusted view until it stands.
+    for _ in 0..MAX_VIEWS {
+        let BundleState { shared, ptz } = &found.state;
+        let adjusted = UsualView::from_frames(&shared.base, ptz);
+        if adjusted.is_near(&view) {
+            break;
+        }
+        view = adjusted;
+        bundle.priors = options.priors.for_model(model, image_size, &view);
+        let again = bundle.minimum(found.state, options.max_iterations);
+        let iterations = found.iterations + again.iterations;
+        found = Minimum {
+            iterations,
+            ..again
+        };
+    }
     let noise_scale = bundle.noise_scale(&found.state);
     let BundleState { shared, ptz } = &found.state;
 
@@ -163,7 +182,7 @@ pub fn adjust_base(
             .collect(),
         noise_scale,
         position_covariance: covariance.fixed_view::<3, 3>(0, 0).into_owned(),
-        cost: crate::solve::optimiser::least_squares::Equations::cost(&found.equations),
+        cost: Equations::cost(&found.equations),
         iterations: found.iterations,
     }
 }
@@ -225,6 +244,13 @@ pub(super) fn starting(
 /// The focal length at which k₁ itself is a parameter, px of a frame 1920 px wide.
 const LENS_FOCAL_PX: f64 = 2000.0;
 
+/// Maximum number of times that the priors are made again where an adjusted base looks.
+const MAX_VIEWS: usize = 2;
+
+/// Views whose directions (radians) and logarithms of focal length differ by less have nearly the
+/// same priors: k₁ by a quarter of its σ at 2000 px, the lean by a twentieth.
+const NEAR_VIEW: f64 = 0.05;
+
 /// Where a camera usually looks: the direction and focal length that its priors refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solve) struct UsualView {
@@ -257,6 +283,16 @@ impl UsualView {
             sigma: Angle::from_radians(sigma_rad),
             focal_px: (!ptz.is_empty()).then(|| (logs / ptz.len() as f64).exp()),
         }
+    }
+
+    /// Whether the priors of another view are nearly those of this one.
+    fn is_near(&self, other: &Self) -> bool {
+        let turned = (1.0 - self.along.dot(&other.along)).max(0.0) * 2.0;
+        let zoomed = match (self.focal_px, other.focal_px) {
+            (Some(own), Some(other)) => (own / other).ln().abs(),
+            (own, other) => f64::from(own != other),
+        };
+        turned.sqrt() < NEAR_VIEW && zoomed < NEAR_VIEW
     }
 
     /// 1-σ of the lean along and across the stated direction, where heads lean by `pitch` and

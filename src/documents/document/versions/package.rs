@@ -6,7 +6,7 @@
 //! changes to the whole document; [`merge`](crate::document::merge) then joins the results.
 
 use super::package_record::{KEY, PackageRecord};
-use super::restored::{OtherPictures, Restored};
+use super::restored::{OtherPictures, Restored, has_other_picture};
 use crate::document::{Document, Frame, FrameId, Frames, Shared, Shot, ShotEnd};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -75,6 +75,8 @@ pub fn restore_package(base: &Document, version: &Document) -> Result<Restored, 
             .frames
             .by_id(&frame.id)
             .filter(|known| !is_added && !has_place_of(frame, known))
+            // A video's identity lies with its path, so taking the path would hide another picture.
+            .filter(|known| !has_other_picture(known, frame))
         {
             take_place(frame, known);
         }
@@ -189,7 +191,7 @@ fn join_shots(base: &Document, given: &[Shot], now: &[Shot]) -> Vec<Shot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Click, FieldSpec, ShotKind, merge};
+    use crate::document::{Click, FieldSpec, ShotKind, VideoFrame, merge};
     use proptest::prelude::*;
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
@@ -323,6 +325,45 @@ mod tests {
         let joined = merge(&package, &first, &second).document;
         assert_eq!(joined, package);
         assert_eq!(restore_package(&base, &joined).unwrap().version, base);
+    }
+
+    /// Frames of a video, in a package with a copy of it.
+    fn base_and_package_of_video() -> (Document, Document) {
+        let mut base = document(0);
+        for index in 0..5 {
+            let video = VideoFrame {
+                file_id: Some("aa".into()),
+                ..VideoFrame::new("match.mp4", index, None)
+            };
+            base.frames
+                .push(Frame::from_video(video, "main".into(), SIZE).into());
+        }
+        let mut package = split_into_packages(&base, 5).remove(0);
+        for frame in &mut package.frames {
+            frame.video.as_mut().unwrap().path = "copies/match.mp4".to_owned();
+        }
+        (base, package)
+    }
+
+    #[test]
+    fn a_copied_video_is_no_edit() {
+        let (base, package) = base_and_package_of_video();
+        let restored = restore_package(&base, &package).unwrap();
+        assert_eq!(restored.version, base);
+        assert_eq!(restored.common, base);
+    }
+
+    #[test]
+    fn a_few_frames_of_another_video_are_conflicts() {
+        let (base, mut package) = base_and_package_of_video();
+        let replaced = [1, 3];
+        for index in replaced {
+            package.frames[index].video.as_mut().unwrap().file_id = Some("bb".into());
+        }
+        let restored = restore_package(&base, &package).unwrap();
+        let merged = merge(&restored.common, &base, &restored.version);
+        assert_eq!(merged.conflicts.len(), replaced.len());
+        assert_eq!(merged.document, base, "the owner's pictures stay");
     }
 
     #[test]

@@ -27,7 +27,7 @@ fn picture_ids<'a>(one: &'a Frame, other: &'a Frame) -> Option<[&'a str; 2]> {
 }
 
 /// Whether two frames are known to be of different pictures.
-fn has_other_picture(one: &Frame, other: &Frame) -> bool {
+pub(super) fn has_other_picture(one: &Frame, other: &Frame) -> bool {
     picture_ids(one, other).is_some_and(|[one, other]| !one.eq_ignore_ascii_case(other))
 }
 
