@@ -106,6 +106,9 @@ fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
         "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",
         at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.field.crown_m
     ));
+    if let Some(aspect) = &evidence.pixel_aspect {
+        messages.note(&aspect.to_string());
+    }
     messages.note(&format!(
         "{}; {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), next best answer {:.0} % of this \
          one, paint {:.2} px off its lines, parts of the frames {:.2} m apart",

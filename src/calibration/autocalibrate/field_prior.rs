@@ -133,8 +133,9 @@ impl FieldPrior {
     }
 
     /// Gives a camera's field the assumed value of each length that its frames do not show, as it is
-    /// recorded, and moves the camera with what they show.
-    pub fn assume_open_lengths(&self, camera: &mut AutocalibratedCamera) {
+    /// recorded, and moves the camera with what they show. Whether there are any: pan, tilt and focal
+    /// length of its frames are then still those of the other base.
+    pub fn assume_open_lengths(&self, camera: &mut AutocalibratedCamera) -> bool {
         let stated = |size: &FittedSize| {
             if size.is_open {
                 size.assumed_m
@@ -145,13 +146,14 @@ impl FieldPrior {
         let values: Vec<f64> = camera.sizes.iter().map(stated).collect();
         let has_open = camera.sizes.iter().any(|size| size.is_open);
         let Some(field) = self.resize(&camera.field, &values).filter(|_| has_open) else {
-            return;
+            return false;
         };
         camera.field = field;
         for size in camera.sizes.iter_mut().filter(|size| size.is_open) {
             camera.base.position_m += size.position_shift_m(size.assumed_m);
             size.value_m = size.assumed_m;
         }
+        true
     }
 
     /// A field with other lengths, in their order, and its own crown.

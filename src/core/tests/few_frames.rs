@@ -9,7 +9,8 @@ use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
-    BaseEstimate, BaseOptions, BasePriors, CameraClicks, FrameClicks, estimate_base,
+    BaseEstimate, BaseOptions, BasePriors, CameraClicks, FrameClicks, PixelAspect, estimate_base,
+    estimate_base_on_paint,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -77,20 +78,25 @@ fn usual_base(position_m: Vec3, rng: &mut Pcg64Mcg) -> CameraBase {
     }
 }
 
-/// A frame of a camera that looks at some point of the field, its clicks missed by their sigmas;
-/// none where it shows too little.
-fn frame(field: &FieldModel, base: &CameraBase, rng: &mut Pcg64Mcg) -> Option<FrameClicks> {
+/// A view of some point of the field.
+fn view(field: &FieldModel, base: &CameraBase, rng: &mut Pcg64Mcg) -> Ptz {
     let target = Vec3::new(
         rng.random_range(-0.4..0.4) * field.length_m,
         rng.random_range(-0.3..0.3) * field.width_m,
         0.0,
     );
     let to = target - base.position_m;
-    let ptz = Ptz {
+    Ptz {
         pan: Angle::from_radians(to.x.atan2(to.y)),
         tilt: Angle::from_radians((to.z / to.xy().norm()).atan()),
         focal_px: rng.random_range(1500.0..2600.0),
-    };
+    }
+}
+
+/// A frame of a camera that looks at some point of the field, its clicks missed by their sigmas;
+/// none where it shows too little.
+fn frame(field: &FieldModel, base: &CameraBase, rng: &mut Pcg64Mcg) -> Option<FrameClicks> {
+    let ptz = view(field, base, rng);
     let camera = PtzCamera::new(*base, ptz);
     let mut observations: Vec<Observation> = Vec::new();
     for landmark in &field.landmarks {
@@ -187,4 +193,93 @@ fn scaled_pictures_are_told_and_their_base_is_not_sure() {
             );
         }
     }
+}
+
+/// The paint of a frame: places on the lines, found to half a pixel.
+fn painted(field: &FieldModel, base: &CameraBase, ptz: Ptz, rng: &mut Pcg64Mcg) -> FrameClicks {
+    const PLACES_OF_LINE: u32 = 12;
+    let camera = PtzCamera::new(*base, ptz);
+    let mut observations = Vec::new();
+    for (index, line) in field.lines.iter().enumerate() {
+        let places = (0..PLACES_OF_LINE).filter_map(|place| {
+            let share = f64::from(place) / f64::from(PLACES_OF_LINE - 1);
+            let exact = camera.image_from_world(line.paint_centre.point_at(share));
+            let image = (exact.ok()?).translate(Vec2::new(normal(rng), normal(rng)) * 0.5);
+            let seen = Observation::from_paint(field, index, image, 0.5, place as usize)?;
+            SIZE.contains(image).then_some(seen)
+        });
+        observations.extend(places);
+    }
+    FrameClicks {
+        observations,
+        start: None,
+    }
+}
+
+/// What the paint alone says of the pixels where the picture was cut to a width about its middle and
+/// then scaled down the picture.
+fn aspect_by_paint(width: u32, down: f64, rng: &mut Pcg64Mcg) -> Option<PixelAspect> {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let base = CameraBase::new(
+        Vec3::new(2.0, -66.0, 19.0),
+        CameraBase::rotation_about(&Vec3::z()),
+        SIZE.centre(),
+    );
+    let views: Vec<Ptz> = std::iter::repeat_with(|| view(&field, &base, rng))
+        .take(12)
+        .collect();
+    let cut_px = 0.5 * f64::from(SIZE.width - width);
+    let scaled = |at: ImagePoint| ImagePoint::new(at.x - cut_px, at.y * down);
+    let frames: Vec<FrameClicks> = views
+        .iter()
+        .map(|ptz| {
+            let mut frame = painted(&field, &base, *ptz, rng);
+            for place in &mut frame.observations {
+                place.image = scaled(place.image);
+            }
+            frame
+        })
+        .collect();
+    // From the camera of the picture as it was, standing higher by the scaling.
+    let mut start = base;
+    start.position_m.z *= down;
+    start.principal_point = scaled(SIZE.centre());
+    let ptz: Vec<Option<Ptz>> = views
+        .iter()
+        .map(|view| {
+            Some(Ptz {
+                tilt: view.tilt * down,
+                ..*view
+            })
+        })
+        .collect();
+    let nothing = vec![FrameClicks::default(); frames.len()];
+    let clicks = CameraClicks {
+        image_size: ImageSize::new(width, (f64::from(SIZE.height) * down) as u32),
+        principal_point: start.principal_point,
+        ..CameraClicks::with_centred_principal_point(&field, &nothing, SIZE)
+    };
+    let found = estimate_base_on_paint(
+        &clicks,
+        &frames,
+        (&start, &ptz),
+        &BaseOptions::default(),
+        &Progress::default(),
+    );
+    found.unwrap().pixel_aspect
+}
+
+#[test]
+fn paint_alone_tells_pictures_of_a_usual_proportion_that_were_scaled_to_another() {
+    let mut rng = seeded::rng("paint_alone_tells_pictures");
+    for down in [16.0 / 9.0, 4.0 / 3.0, 0.7556] {
+        let aspect = aspect_by_paint(SIZE.width, down, &mut rng).unwrap();
+        assert!(
+            (aspect.value / down).ln().abs() < 0.1,
+            "{down:.2}: {aspect:?}"
+        );
+    }
+    // Square pixels: the picture as it was, and one that was cut to 4:3.
+    assert_eq!(aspect_by_paint(SIZE.width, 1.0, &mut rng), None);
+    assert_eq!(aspect_by_paint(1440, 1.0, &mut rng), None);
 }

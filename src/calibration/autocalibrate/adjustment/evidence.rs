@@ -146,6 +146,7 @@ pub fn measure_evidence(
         residual_px: joint.residual_px(),
         parts_m: joint.parts_m,
         other_size_m: None,
+        pixel_aspect: None,
     }
 }
 

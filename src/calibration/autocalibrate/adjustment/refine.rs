@@ -12,8 +12,8 @@ use crate::autocalibrate::frames::sampled_frames::PictureOfFrame;
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{
-    AutocalibratedCamera, AutocalibratedFrame, BaseOnPaintError, BaseProblem, KnownCameras,
-    KnownFrames, OpenField, PaintEstimate, covariance_on_paint,
+    AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence, BaseOnPaintError,
+    BaseProblem, KnownCameras, KnownFrames, OpenField, PaintEstimate, covariance_on_paint,
 };
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
@@ -185,6 +185,10 @@ fn with_base(
             sizes,
             // The alignments were made with the other base.
             frames: unaligned_frames(&ptz, matched),
+            evidence: AutocalibrationEvidence {
+                pixel_aspect: estimate.pixel_aspect,
+                ..before.evidence.clone()
+            },
             ..before.clone()
         },
         ptz,

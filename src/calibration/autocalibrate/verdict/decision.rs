@@ -129,7 +129,7 @@ impl Decision<'_> {
                 ) < SAME_POSITION_M =>
             {
                 let best = self.align(best)?;
-                return self.judge(best.camera, MIN_ALIGNED_WITH_RUNNER_UP);
+                return self.judge(best, MIN_ALIGNED_WITH_RUNNER_UP);
             }
             [refined_best, refined_runner_up] => [
                 self.align_refined(refined_best, best)?.camera,
@@ -193,7 +193,7 @@ impl Decision<'_> {
                 best = again;
             }
         }
-        self.judge(best.camera, min_aligned)
+        self.judge(best, min_aligned)
     }
 
     /// A refined hypothesis with its frames aligned; the unrefined one where refining failed.
@@ -262,11 +262,15 @@ impl Decision<'_> {
     /// click contradicts it.
     fn judge(
         &mut self,
-        mut camera: AutocalibratedCamera,
+        mut hypothesis: Hypothesis,
         min_aligned: f64,
     ) -> Result<AutocalibrationAnswer, Stop> {
-        // What the frames do not show of the field is drawn as it is recorded.
-        self.field_prior.assume_open_lengths(&mut camera);
+        // What the frames do not show of the field is drawn as it is recorded, and the frames are
+        // judged and answered as they lie on that field.
+        if self.field_prior.assume_open_lengths(&mut hypothesis.camera) {
+            hypothesis = self.align(hypothesis)?;
+        }
+        let mut camera = hypothesis.camera;
         // Three checks at full resolution and two of the field; the first that fails is reported.
         // What single pictures do not confirm, clicks or the mean of all pictures may.
         let few = few_aligned(&camera, min_aligned);

@@ -3,7 +3,7 @@
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::field::FieldModel;
 use touchline_core::solve::Uncertainty;
-use touchline_core::solve::base::FittedSize;
+use touchline_core::solve::base::{FittedSize, PixelAspect};
 use touchline_vision::paint::Snapped;
 
 /// A camera found by autocalibration, and the frames that it was found from.
@@ -100,6 +100,9 @@ pub struct AutocalibrationEvidence {
     /// Length and width of a field that would explain more, m, if the size is known and differs
     /// from that.
     pub other_size_m: Option<[f64; 2]>,
+    /// The aspect of the pixels, if the paint shows that they are not square; the error that this
+    /// gives the base is part of its sigma.
+    pub pixel_aspect: Option<PixelAspect>,
 }
 
 impl AutocalibrationEvidence {

@@ -214,21 +214,59 @@ pub fn estimate_base_on_paint(
         .map(|(frame, ptz)| frame_fit(&estimate.base, frame, (*ptz)?))
         .collect();
     estimate.frames = fits;
-    let of_clicks = cameras_with_clicks(clicks.frames, &ptz);
-    test_pixels(&mut estimate, clicks, &of_clicks, &options.adjusting());
+    // Clicks show points above the ground, which say most. Where there are none, the paint is asked.
+    let tested = CameraClicks {
+        field: &crowned,
+        frames: if has_clicks(&frames) {
+            &frames
+        } else {
+            &painted
+        },
+        ..*clicks
+    };
+    let ptz = cameras_with_clicks(tested.frames, &ptz);
+    test_pixels(&mut estimate, &tested, &ptz, &options.adjusting());
     Ok(estimate)
 }
 
-/// Tests by the clicks whether the pixels are square. Where they are not, says so and covers the
-/// error of the base.
+fn has_clicks(frames: &[FrameClicks]) -> bool {
+    frames
+        .iter()
+        .any(|frame| frame.used_clicks().next().is_some())
+}
+
+/// Maximum number of frames, evenly chosen, that say whether the pixels are square: the paint of so
+/// many gives their aspect to a hundredth, and the test adjusts them some twenty times.
+const MAX_FRAMES_OF_PIXELS: usize = 40;
+
+/// Tests by clicks and paint whether the pixels are square. Where they are not, says so and covers
+/// the error of the base.
 fn test_pixels(
     estimate: &mut BaseEstimate,
     clicks: &CameraClicks<'_>,
     ptz: &[Option<Ptz>],
     options: &AdjustOptions,
 ) {
-    let test = AspectTest::new(clicks, &estimate.model, options);
-    if let Some((aspect, error)) = test.run(&estimate.base, ptz) {
+    let with_camera = clicks
+        .frames
+        .iter()
+        .zip(ptz)
+        .filter(|(_, ptz)| ptz.is_some());
+    let step = with_camera
+        .clone()
+        .count()
+        .div_ceil(MAX_FRAMES_OF_PIXELS)
+        .max(1);
+    let (frames, ptz): (Vec<FrameClicks>, Vec<Option<Ptz>>) = with_camera
+        .step_by(step)
+        .map(|(frame, ptz)| (frame.clone(), *ptz))
+        .unzip();
+    let chosen = CameraClicks {
+        frames: &frames,
+        ..*clicks
+    };
+    let test = AspectTest::new(&chosen, (&estimate.base, &ptz), &estimate.model, options);
+    if let Some((aspect, error)) = test.run(&estimate.base, &ptz) {
         estimate.pixel_aspect = Some(aspect);
         estimate.base.sigma = estimate.base.sigma.with_error(&error);
         estimate.position_covariance = estimate.base.sigma.position_covariance();

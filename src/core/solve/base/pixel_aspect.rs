@@ -1,4 +1,4 @@
-//! Whether the clicks were made on pictures with square pixels.
+//! Whether clicks and paint are of pictures with square pixels.
 //!
 //! Pictures that were scaled to another proportion (to 640 × 640 for a network, from a video whose
 //! stated proportion was lost) still fit a camera of square pixels: seen from afar, a picture of a
@@ -16,8 +16,9 @@ use super::{
     AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel,
     Prescribed,
 };
-use crate::camera::{CameraBase, Ptz, SHARED_PARAMETERS, SharedError};
+use crate::camera::{CameraBase, Ptz, PtzCamera, SHARED_PARAMETERS, SharedError};
 use crate::geometry::{ImagePoint, ImageSize, Vec2};
+use crate::solve::Observation;
 use serde::Serialize;
 use std::fmt;
 
@@ -28,12 +29,15 @@ const LEAST: f64 = 0.06;
 /// The deviation has to be this many sigmas.
 const CLEAR_SIGMAS: f64 = 4.0;
 
+/// Width over height of the pictures of broadcasts.
+const USUAL_PROPORTION: f64 = 16.0 / 9.0;
+
 /// The step of the finite differences of the logarithm, and the longest step of the search.
 const DIFFERENCE: f64 = 0.04;
 const LONGEST: f64 = 0.2;
 
 /// Steps of the search at most; it ends when one is shorter than [`SHORT`].
-const MAX_STEPS: usize = 8;
+const MAX_STEPS: usize = 12;
 const SHORT: f64 = 0.01;
 
 /// The aspect of the pixels that the clicks fit best.
@@ -67,18 +71,19 @@ impl fmt::Display for PixelAspect {
         let unscaled = f64::from(width) * self.value;
         write!(
             f,
-            "the clicks fit pixels that are {:.2} ± {:.2} times as wide as high, as if pictures of about {unscaled:.0} × {height} px had been scaled to {width} × {height}: the camera's height and all heights would be wrong by that factor, and are stated as uncertain. Take the pictures in their true proportion, or check the field's size",
+            "clicks and paint fit pixels that are {:.2} ± {:.2} times as wide as high, as if pictures of about {unscaled:.0} × {height} px had been scaled to {width} × {height}: the camera's height and all heights would be wrong by that factor, and are stated as uncertain. Take the pictures in their true proportion, or check the field's size",
             self.value, self.sigma
         )
     }
 }
 
 /// A base fitted to clicks, which the test begins with.
-#[derive(Clone, Copy)]
 pub(super) struct AspectTest<'a> {
     clicks: &'a CameraClicks<'a>,
     model: BaseModel,
     options: &'a AdjustOptions,
+    /// For each click of each frame on a line: the direction across the line in the picture.
+    across: Vec<Vec<Option<Vec2>>>,
 }
 
 /// The base with other pixels.
@@ -92,6 +97,7 @@ impl<'a> AspectTest<'a> {
     /// must not be taken for pixels that are not square.
     pub fn new(
         clicks: &'a CameraClicks<'a>,
+        (base, ptz): (&CameraBase, &[Option<Ptz>]),
         chosen: &BaseModel,
         options: &'a AdjustOptions,
     ) -> Self {
@@ -117,6 +123,12 @@ impl<'a> AspectTest<'a> {
                 principal_point: (!principal_point).then_some(clicks.principal_point),
             },
             options,
+            across: clicks
+                .frames
+                .iter()
+                .zip(ptz)
+                .map(|(frame, ptz)| directions_across(frame, base, *ptz))
+                .collect(),
         }
     }
 
@@ -140,7 +152,8 @@ impl<'a> AspectTest<'a> {
         // to be those of minima.
         let square = self.adjust(0.0, 0.0, base, ptz);
         let mut at = self.adjust(0.0, 0.0, &square.adjusted.base, &square.adjusted.ptz);
-        let mut sigma = f64::INFINITY;
+        let (mut sigma, mut has_settled) = (f64::INFINITY, false);
+        let (mut last, mut longest): (f64, f64) = (0.0, LONGEST);
         for _ in 0..MAX_STEPS {
             // Slope and curvature by central differences, and a Newton step; where the profile is
             // not convex, as long a step downhill as is allowed.
@@ -154,10 +167,21 @@ impl<'a> AspectTest<'a> {
             } else {
                 -slope.signum() * LONGEST
             };
-            if !step.is_finite() || step.abs() < SHORT {
+            has_settled = step.abs() < SHORT;
+            if has_settled || !step.is_finite() {
                 break;
             }
-            at = self.beside(&at, step.clamp(-LONGEST, LONGEST));
+            // A step back is at most half of the one before: far from the minimum the robust cost is
+            // flatter than a parabola, and a Newton step goes beyond it again and again.
+            if step * last < 0.0 {
+                longest = 0.5 * last.abs();
+            }
+            last = step.clamp(-longest, longest);
+            at = self.beside(&at, last);
+        }
+        // Where little perspective is seen, the cost may fall on and on: no aspect fits best then.
+        if !has_settled {
+            return None;
         }
         let gain = (square.adjusted.cost - at.adjusted.cost) / at.adjusted.noise_scale;
         let value = at.log_aspect.exp();
@@ -168,12 +192,26 @@ impl<'a> AspectTest<'a> {
             sigma: value * sigma.max(at.log_aspect.abs() / gain.max(1e-9).sqrt()),
             image_size: self.clicks.image_size,
         };
-        found.is_clear().then(|| {
+        (found.is_clear() && self.is_credible(at.log_aspect)).then(|| {
             (
                 found,
                 error_between(&at.adjusted.base, &square.adjusted.base),
             )
         })
+    }
+
+    /// Whether an aspect (logarithm) is to be believed. Lines alone give it to a quarter only on real
+    /// footage, whose ground and lens are not quite those of the model: 1.26 on a broadcast with
+    /// square pixels. They can say whether a picture of an unusual proportion was a usual one.
+    fn is_credible(&self, log_aspect: f64) -> bool {
+        let clicks = self.clicks.frames.iter();
+        let mut clicks = clicks.flat_map(FrameClicks::used_clicks);
+        if clicks.any(|click| click.shape.point().is_some()) {
+            return true;
+        }
+        let ImageSize { width, height } = self.clicks.image_size;
+        let of_usual = (USUAL_PROPORTION * f64::from(height) / f64::from(width)).ln();
+        of_usual.abs() > LEAST && (log_aspect - of_usual).abs() < log_aspect.abs()
     }
 
     /// The base at an aspect near that of a trial.
@@ -187,7 +225,7 @@ impl<'a> AspectTest<'a> {
     /// down less.
     fn adjust(&self, log_aspect: f64, by: f64, base: &CameraBase, ptz: &[Option<Ptz>]) -> Trial {
         // Wider by the root of the aspect and lower by as much: so a change of the aspect makes no
-        // residuals smaller as such.
+        // residuals at landmarks smaller as such.
         let (wider, lower) = ((0.5 * log_aspect).exp(), (-by).exp());
         let unscale = |at: ImagePoint| {
             let off = at.offset_from(self.clicks.principal_point);
@@ -199,10 +237,15 @@ impl<'a> AspectTest<'a> {
             .clicks
             .frames
             .iter()
-            .map(|frame| {
+            .zip(&self.across)
+            .map(|(frame, across)| {
                 let mut frame = frame.clone();
-                for click in &mut frame.observations {
+                for (click, across) in frame.observations.iter_mut().zip(across) {
                     click.image = unscale(click.image);
+                    // A distance across a line is wider or lower as the line lies; its σ follows.
+                    if let Some(across) = across {
+                        click.sigma_px /= Vec2::new(across.x / wider, across.y * wider).norm();
+                    }
                 }
                 frame
             })
@@ -228,6 +271,23 @@ impl<'a> AspectTest<'a> {
             adjusted: adjust_base(&clicks, &start, &ptz, &self.model, self.options),
         }
     }
+}
+
+/// The direction across its line of each click on one, where it lies beside it.
+fn directions_across(
+    frame: &FrameClicks,
+    base: &CameraBase,
+    ptz: Option<Ptz>,
+) -> Vec<Option<Vec2>> {
+    let camera = ptz.map(|ptz| PtzCamera::new(*base, ptz));
+    let across = |click: &Observation| {
+        let on_line = click.shape.point().is_none();
+        let off_px = click
+            .shape
+            .offset_px(&camera.filter(|_| on_line)?, click.image)?;
+        off_px.try_normalize(f64::MIN_POSITIVE)
+    };
+    frame.observations.iter().map(across).collect()
 }
 
 /// How far one base is from another, in position and rotation.

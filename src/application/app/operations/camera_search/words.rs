@@ -17,9 +17,13 @@ pub fn describe_found(found: &AutocalibratedCamera) -> String {
         .filter(|size| size.is_open)
         .map(describe_assumed)
         .collect();
+    let pixels = found
+        .evidence
+        .pixel_aspect
+        .map_or_else(String::new, |aspect| format!(" But {aspect}."));
     format!(
         "Camera found: {}, known to ±{:.1} m. {aligned} of {frames} frames agree with their own painted \
-         lines; look at some before you accept them.{assumed}",
+         lines; look at some before you accept them.{assumed}{pixels}",
         describe_place(found),
         sigma.norm()
     )
