@@ -131,11 +131,14 @@ pub fn adjust_base(
     let shared = starting(field, start, image_size, model);
     let mut found = bundle.minimum(BundleState { shared, ptz }, options.max_iterations);
 
-    // A poor start of a few clicks looks elsewhere, with another focal length, than the frames that
-    // are adjusted to it, and the priors of the lens and the lean were those of its view. So make
-    // them again from the adjusted view until it stands.
+    // A poor start of a frame or two looks elsewhere, with another focal length, than the frames
+    // that are adjusted to it, and the priors of the lens and the lean were those of its view. So
+    // make them again from the adjusted view until it stands.
     for _ in 0..MAX_VIEWS {
         let BundleState { shared, ptz } = &found.state;
+        if ptz.len() > FEW_FRAMES {
+            break;
+        }
         let adjusted = UsualView::from_frames(&shared.base, ptz);
         if adjusted.is_near(&view) {
             break;
@@ -243,6 +246,9 @@ pub(super) fn starting(
 
 /// The focal length at which k₁ itself is a parameter, px of a frame 1920 px wide.
 const LENS_FOCAL_PX: f64 = 2000.0;
+
+/// Up to so many frames, the view of a start may be a poor one. The mean of more hardly matters.
+const FEW_FRAMES: usize = 2;
 
 /// Maximum number of times that the priors are made again where an adjusted base looks.
 const MAX_VIEWS: usize = 2;
