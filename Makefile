@@ -8,7 +8,7 @@ OPENCV_CONFIG = --config $(TARGET)/opencv/cargo.toml
 endif
 CARGO = cargo $(OPENCV_CONFIG)
 
-# Debian's names; on other systems install the like of them (README).
+# Debian's names; on other systems install the like of them (assets/guide/installing.md).
 BUILD_PACKAGES = build-essential pkg-config clang libclang-dev $(if $(OPENCV_CONFIG),,libopencv-dev)
 OPENCV_PACKAGES = build-essential cmake ninja-build curl ca-certificates
 DIST_PACKAGES = $(OPENCV_PACKAGES) pkg-config clang libclang-dev python3-venv librsvg2-bin desktop-file-utils appstream \

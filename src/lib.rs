@@ -85,7 +85,7 @@ pub use touchline_season as season;
 #[doc(inline)]
 pub use touchline_vision::{features, media, paint, relocalize, synthetic, track};
 
-/// The README's example is compiled with the tests.
+/// The guide's example is compiled with the tests.
 #[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+#[doc = include_str!("../assets/guide/library.md")]
+struct Guide;

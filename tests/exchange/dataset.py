@@ -1,8 +1,8 @@
-"""An exported dataset as its users see it: README's example, the loader, the recipes.
+"""An exported dataset as its users see it: the guide's example, the loader, the recipes.
 
 usage: dataset.py TOUCHLINE PYTHON
 
-PYTHON is one that has numpy and OpenCV alone: README's example and the recipes run with it. The demo match is exported; the example draws
+PYTHON is one that has numpy and OpenCV alone: the guide's example and the recipes run with it. The demo match is exported; the example draws
 the field on a frame, and the loader's overlay is compared with the program's own.
 """
 
@@ -87,8 +87,8 @@ def overlays(touchline, folder, data, work):
 
 
 def example(python, folder):
-    """README's example, run as it stands."""
-    (code,) = blocks("README.md", "data.overlay(0)")
+    """The guide's example, run as it stands."""
+    (code,) = blocks("assets/guide/library.md", "data.overlay(0)")
     assert len([line for line in code.splitlines() if line.strip()]) <= 15
     work = os.path.dirname(folder)
     run(python, "-c", code, cwd=work, env={**os.environ, "PYTHONPATH": folder})
@@ -184,7 +184,7 @@ def main():
         changed = np.argwhere((picture != drawn).any(axis=2))[:, ::-1] + 0.5
         lines = list(data.overlay(0).values())
         far = max(min(distance(pixel, line) for line in lines) for pixel in changed[:: max(1, len(changed) // 500)])
-        print("%-12s %-42s %.1f px from the lines" % ("README", "OpenCV, %d px drawn" % len(changed), far))
+        print("%-12s %-42s %.1f px from the lines" % ("guide", "OpenCV, %d px drawn" % len(changed), far))
         assert len(changed) > 500 and far < 2.5
         numpy_alone(python, folder)
         plain = touchline_dataset.load(os.path.join(folder, "undistorted"))

@@ -41,8 +41,8 @@ class Documented(unittest.TestCase):
         finally:
             os.chdir(here)
 
-    def test_readmes_example(self):
-        with open(os.path.join(support.ROOT, "README.md"), encoding="utf-8") as file:
+    def test_the_guides_example(self):
+        with open(os.path.join(support.ROOT, "assets/guide/library.md"), encoding="utf-8") as file:
             blocks = re.findall(r"```python\n(.*?)```", file.read(), re.S)
         (block,) = [block for block in blocks if "touchline.load(" in block]
         here, said = os.getcwd(), io.StringIO()
@@ -51,7 +51,7 @@ class Documented(unittest.TestCase):
             os.chdir(folder)
             try:
                 with contextlib.redirect_stdout(said):
-                    exec(compile(block, "README.md", "exec"), {})
+                    exec(compile(block, "library.md", "exec"), {})
                 self.assertTrue(os.path.exists("solved.json"))
             finally:
                 os.chdir(here)

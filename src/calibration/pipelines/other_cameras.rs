@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use touchline_documents::document::{CameraId, Document};
 
 /// Minimum number of frames for a separate camera.
-const FEWEST: usize = 6;
+const MIN_FRAMES: usize = 6;
 
 /// Assigns the frames `others`, and those between two of them, to a new camera without a base.
 /// `camera` is the camera that was found, and `looked_at` are its sampled frames. Returns the new
@@ -17,7 +17,7 @@ pub(super) fn split_off(
     looked_at: &[usize],
     others: &[usize],
 ) -> Option<CameraId> {
-    if others.len() < FEWEST {
+    if others.len() < MIN_FRAMES {
         return None;
     }
     // The next free id: main, main_2, main_3, …

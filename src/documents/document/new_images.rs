@@ -183,9 +183,11 @@ fn known_folders(document: &Document, folder: &Path) -> BTreeMap<PathBuf, KnownF
 
 /// Whether these positions in a folder are every n-th, n at least 2. Two positions say nothing.
 fn is_sample(positions: &[usize]) -> bool {
-    const FEWEST: usize = 3;
+    const MIN_POSITIONS: usize = 3;
     let steps: BTreeSet<usize> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    positions.len() >= FEWEST && steps.len() == 1 && steps.first().is_some_and(|step| *step > 1)
+    positions.len() >= MIN_POSITIONS
+        && steps.len() == 1
+        && steps.first().is_some_and(|step| *step > 1)
 }
 
 #[cfg(test)]

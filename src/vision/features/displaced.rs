@@ -26,7 +26,7 @@ const CLEARER: f32 = 0.05;
 const LEAST_CONTRAST: f32 = 2.0;
 
 /// Minimum number of blocks that decide.
-const FEWEST: usize = 4;
+const MIN_DECIDING_BLOCKS: usize = 4;
 
 /// Maximum share of the deciding blocks that have not moved although the camera has: those of
 /// graphics, and those around the fixed point of a zoom.
@@ -69,7 +69,7 @@ impl CoarsePicture {
         }
         // Blocks without texture, and those that fit equally well at both, do not decide.
         let decided = moved + stayed;
-        (decided >= FEWEST).then_some((stayed as f32) <= MOST_STAYING * decided as f32)
+        (decided >= MIN_DECIDING_BLOCKS).then_some((stayed as f32) <= MOST_STAYING * decided as f32)
     }
 
     fn blocks(&self) -> impl Iterator<Item = Block> {

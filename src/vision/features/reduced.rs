@@ -20,7 +20,7 @@ const MOVED: f32 = 0.5;
 
 /// Minimum number of edges, as a share of the reduced picture's pixels. A fade or a white-out has
 /// fewer.
-const FEWEST: f32 = 0.01;
+const MIN_EDGE_SHARE: f32 = 0.01;
 
 /// The gradient of the brightness, grey levels over two px of a reduced picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -151,7 +151,7 @@ pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
     let [upright, level] = count_edges(one, other)?;
     let all = upright.all + level.all;
     // Too few edges would make the share random.
-    let tells = all > FEWEST * one.grey.len() as f32;
+    let tells = all > MIN_EDGE_SHARE * one.grey.len() as f32;
     tells.then_some(upright.standing + level.standing < MOVED * all)
 }
 

@@ -124,7 +124,7 @@ const GRID_PX: f64 = 36.0;
 const COARSE_REACH_PX: f64 = 40.0;
 
 /// Number of grid nodes from which the local search starts.
-const CLOSER: usize = 200;
+const NUM_LOCAL_STARTS: usize = 200;
 
 /// Maximum distance of a predicted line from a marking in the local search, and the sizes of its
 /// steps, px at 1920 px width.
@@ -148,7 +148,7 @@ const FINE_PIECE_M: f64 = 2.0;
 /// Candidates nearer to a better one than this are dropped, px at 1920 px width: in the grid search
 /// and in the local search.
 const SAME_NODE_PX: f64 = 45.0;
-const SAME_CLOSER_PX: f64 = 16.0;
+const SAME_CANDIDATE_PX: f64 = 16.0;
 
 /// Two aligned cameras nearer than this count as the same, px at 1920 px width.
 const SAME_PX: f64 = 10.0;
@@ -296,16 +296,16 @@ impl Search<'_> {
                 .into_par_iter()
                 .map(|ptz| self.node(&look, ptz))
                 .collect();
-            nodes.extend(self.distinct(scored, CLOSER, SAME_NODE_PX));
+            nodes.extend(self.distinct(scored, NUM_LOCAL_STARTS, SAME_NODE_PX));
         }
-        let nodes = self.distinct(nodes, CLOSER, SAME_NODE_PX);
+        let nodes = self.distinct(nodes, NUM_LOCAL_STARTS, SAME_NODE_PX);
         // Step 2. Candidates that climb to the same maximum are merged afterwards.
         let look = self.look(FINE_REACH_PX, FINE_PIECE_M);
         let closer: Vec<Node> = nodes
             .into_par_iter()
             .map(|node| self.climb(&look, node.ptz))
             .collect();
-        Ok(self.distinct(closer, self.options.tried, SAME_CLOSER_PX))
+        Ok(self.distinct(closer, self.options.tried, SAME_CANDIDATE_PX))
     }
 
     /// Moves a candidate to a local maximum of the score.

@@ -341,7 +341,7 @@ fn draw(part: &Part, field: &FieldModel, random: &mut Pcg64Mcg) -> DrawnPicture 
         ..BaseAngles::default()
     };
     let principal_px = Vec2::new(scattered(10.0), scattered(10.0));
-    let mut distortion = priors.usual_lens(SIZE.width);
+    let mut distortion = priors.usual_lens(SIZE);
     distortion.value += scattered(priors.k1.1);
     let base = CameraBase {
         distortion,

@@ -13,7 +13,7 @@ use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Camera, CameraId, Document, Frame, Step};
 
 /// Fewer cameras have no place in common.
-const FEWEST: usize = 3;
+const MIN_CAMERAS: usize = 3;
 
 /// The name of the step of undo, and of its batch of suggestions.
 const STEP: &str = "Mend the imported cameras";
@@ -192,7 +192,7 @@ impl App {
         if is_running {
             return Some("The cameras are being mended already.");
         }
-        let few = open.counts().imported < FEWEST;
+        let few = open.counts().imported < MIN_CAMERAS;
         few.then_some("Too few frames have imported cameras: 3 or more are needed.")
     }
 

@@ -16,7 +16,7 @@ const ROWS: u32 = 5;
 /// Ground points farther than this from the field's centre are not used, m.
 const REACH_M: f64 = 90.0;
 /// Minimum number of ground points.
-const FEWEST: usize = 4;
+const MIN_POINTS: usize = 4;
 /// 1-σ of the old lines, px at 1920 px width.
 const SIGMA_PX: f64 = 2.0;
 /// Lines that end up farther off than this cause a warning, px at 1920 px width.
@@ -90,7 +90,7 @@ pub(crate) fn ptz_on_base(
         .map(|(click, (image, ground))| Observation::from_point(ground, image, sigma_px, click))
         .collect();
     // A picture of stands or sky has no ground to keep in place.
-    if observations.len() < FEWEST {
+    if observations.len() < MIN_POINTS {
         return None;
     }
     // Start at the old camera: the new one should look nearly the same way.

@@ -23,7 +23,7 @@ pub(crate) const LENGTH_UNSEEN: &str = "length_unseen";
 pub(in crate::calibrate) const FRAMES: usize = 16;
 
 /// Fewer frames are no evidence: a player's legs can look like a line.
-const FEWEST: usize = 3;
+const MIN_FRAMES: usize = 3;
 
 /// Steps of the search, first over all allowed lengths, then around the best, as shares of the
 /// length: 0.5 and 0.1 m on a soccer pitch.
@@ -37,7 +37,7 @@ const PEAK: f64 = 1.2;
 const PEAK_SHARE: f64 = 2.0 / 105.0;
 
 /// A frame shows the length if its score varies by at least this much over the lengths.
-const TELLING: f64 = 0.1;
+const MIN_VARIATION: f64 = 0.1;
 
 /// A measured length is another one than the assumed if it differs by this many 1-σ.
 const OTHER_SIGMAS: f64 = 2.0;
@@ -68,7 +68,7 @@ pub(in crate::calibrate) fn measure_length(
     unseen: &UnseenSize,
     looks: &[PosedPicture],
 ) -> Option<FittedSize> {
-    if looks.len() < FEWEST {
+    if looks.len() < MIN_FRAMES {
         return None;
     }
     // Coarse search. The score of a length is the mean over the frames.
@@ -107,7 +107,9 @@ pub(in crate::calibrate) fn measure_length(
     let squares: Vec<f64> = (0..looks.len())
         .filter_map(|look| Some((peak_of(&lengths, &table, look)? - value_m).powi(2)))
         .collect();
-    let spread_m = mean(&squares).filter(|_| squares.len() >= FEWEST)?.sqrt();
+    let spread_m = mean(&squares)
+        .filter(|_| squares.len() >= MIN_FRAMES)?
+        .sqrt();
     Some(FittedSize {
         value_m,
         sigma_m: spread_m.max(unseen.least_sigma_m()),
@@ -175,7 +177,7 @@ fn peak_of(lengths: &[f64], table: &[Vec<f64>], look: usize) -> Option<f64> {
     let (least, most) = worths().fold((f64::INFINITY, 0.0), |(least, most), worth| {
         (worth.min(least), worth.max(most))
     });
-    (most - least >= TELLING).then(|| lengths[index_of_largest(worths())])
+    (most - least >= MIN_VARIATION).then(|| lengths[index_of_largest(worths())])
 }
 
 /// Evenly spaced values from `from` to `to`, both included, about `step` apart.

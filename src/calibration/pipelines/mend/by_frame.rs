@@ -20,7 +20,7 @@ use touchline_documents::document::Document;
 const FITS_PX: f64 = 30.0;
 
 /// A place of fewer frames than this is none.
-const FEWEST: usize = 3;
+const MIN_MEMBERS: usize = 3;
 
 /// A camera on a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl FramePlaces {
         loop {
             let of_frame = nearest_places(document, given, &mut places);
             let number = places.len();
-            places.retain(|place| place.members.len() >= FEWEST);
+            places.retain(|place| place.members.len() >= MIN_MEMBERS);
             if places.len() == number {
                 return Self { places, of_frame };
             }

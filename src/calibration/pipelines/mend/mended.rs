@@ -12,7 +12,7 @@ use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::{CameraId, Document, Frame, FrameId, Solution};
 
 /// A mended frame below this confidence is left for a person.
-const DOUBTED: f64 = 0.5;
+const DOUBT_LIMIT: f64 = 0.5;
 
 /// The result of mending.
 #[derive(Clone, Debug, PartialEq)]
@@ -234,5 +234,5 @@ fn is_contradicted(solution: &Solution) -> bool {
 fn is_uncertain(solution: &Solution) -> bool {
     solution
         .confidence
-        .is_none_or(|confidence| confidence < DOUBTED)
+        .is_none_or(|confidence| confidence < DOUBT_LIMIT)
 }

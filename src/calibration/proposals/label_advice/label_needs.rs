@@ -14,7 +14,7 @@ use touchline_vision::relocalize::CERTAIN;
 
 /// A frame with a solved neighbour on one side only takes that neighbour's direction if it is at
 /// most this many frames away.
-const BESIDE: usize = 2;
+const NEIGHBOUR_REACH: usize = 2;
 
 /// The frames of a document that need a label.
 #[derive(Clone, Debug, Default)]
@@ -209,7 +209,7 @@ impl LabelNeeds {
 impl Shot {
     /// The interpolated view of a frame. Between two solved neighbours it is linear in the frame
     /// index, along the shorter way in pan. With one neighbour only, it is that neighbour's view if
-    /// it is at most [`BESIDE`] frames away.
+    /// it is at most [`NEIGHBOUR_REACH`] frames away.
     fn between(&self, index: usize) -> Option<HorizontalView> {
         let before = self.looks.range(..index).next_back();
         let after = self.looks.range(index + 1..).next();
@@ -222,7 +222,7 @@ impl Shot {
                 })
             }
             (Some((place, look)), None) | (None, Some((place, look))) => {
-                (place.abs_diff(index) <= BESIDE).then_some(*look)
+                (place.abs_diff(index) <= NEIGHBOUR_REACH).then_some(*look)
             }
             (None, None) => None,
         }

@@ -138,8 +138,8 @@ impl Direction {
     }
 }
 
-/// The need as an integer, in units of 1/[`PARTS`].
 impl LabelCandidate {
+    /// The need as an integer, in units of 1/[`PARTS`].
     fn need_parts(&self) -> u64 {
         (self.need * PARTS).round() as u64
     }

@@ -45,7 +45,7 @@ const SCATTER_M: [f64; 2] = [0.02, 3.0];
 const ROUNDS: usize = 10;
 
 /// The least number of cameras that make a place, and their least share of all.
-const FEWEST: usize = 3;
+const MIN_CAMERAS: usize = 3;
 const LEAST_SHARE: f64 = 0.02;
 
 /// 1-σ of the roll and the pitch of a levelled head, degrees.
@@ -106,7 +106,7 @@ impl fmt::Display for SharedPlace {
 /// three positions lie near each other.
 #[must_use]
 pub fn shared_places(cameras: &[PtzCamera]) -> Vec<SharedPlace> {
-    let fewest = FEWEST.max((LEAST_SHARE * cameras.len() as f64).ceil() as usize);
+    let fewest = MIN_CAMERAS.max((LEAST_SHARE * cameras.len() as f64).ceil() as usize);
     let mut open: Vec<usize> = (0..cameras.len()).collect();
     let mut places = Vec::new();
     while open.len() >= fewest {

@@ -110,24 +110,26 @@ impl Ranking<'_> {
 /// Places of cameras around a field, `world`, m; `scale` is its size.
 fn bowl(scale: f64) -> Vec<Vec3> {
     /// The main stand: x and distance y from the middle, and height over distance.
-    const BESIDE: [f64; 5] = [-25.0, -10.0, 0.0, 10.0, 25.0];
-    const AWAY: [f64; 4] = [45.0, 58.0, 72.0, 90.0];
-    const RISE: [f64; 3] = [0.15, 0.25, 0.38];
-    /// All around: on ellipses these times as large as the field, at these heights.
-    const AROUND: u32 = 16;
-    const FAR: [f64; 2] = [1.4, 1.9];
-    const HEIGHT: [f64; 2] = [8.0, 20.0];
+    const STAND_X: [f64; 5] = [-25.0, -10.0, 0.0, 10.0, 25.0];
+    const STAND_DISTANCE: [f64; 4] = [45.0, 58.0, 72.0, 90.0];
+    const STAND_RISE: [f64; 3] = [0.15, 0.25, 0.38];
+    /// All around: on ellipses these times as large as these semi-axes, m, at these heights. The
+    /// axes are a soccer pitch's with the ground beside its touchlines; `scale` fits other fields.
+    const STEPS: u32 = 16;
+    const SEMI_AXES: [f64; 2] = [52.5, 38.0];
+    const ELLIPSE_FACTORS: [f64; 2] = [1.4, 1.9];
+    const ELLIPSE_HEIGHTS: [f64; 2] = [8.0, 20.0];
     let mut places = Vec::new();
-    for x in BESIDE {
-        for away in AWAY {
-            places.extend(RISE.map(|rise| Vec3::new(x, -away, rise * away) * scale));
+    for x in STAND_X {
+        for away in STAND_DISTANCE {
+            places.extend(STAND_RISE.map(|rise| Vec3::new(x, -away, rise * away) * scale));
         }
     }
-    for step in 0..AROUND {
-        let (sin, cos) = Angle::from_degrees(360.0 * f64::from(step) / f64::from(AROUND)).sin_cos();
-        for far in FAR {
-            let (x, y) = (52.5 * far * cos, 38.0 * far * sin);
-            places.extend(HEIGHT.map(|z| Vec3::new(x, y, z) * scale));
+    for step in 0..STEPS {
+        let (sin, cos) = Angle::from_degrees(360.0 * f64::from(step) / f64::from(STEPS)).sin_cos();
+        for far in ELLIPSE_FACTORS {
+            let (x, y) = (SEMI_AXES[0] * far * cos, SEMI_AXES[1] * far * sin);
+            places.extend(ELLIPSE_HEIGHTS.map(|z| Vec3::new(x, y, z) * scale));
         }
     }
     places

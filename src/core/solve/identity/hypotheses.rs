@@ -150,7 +150,7 @@ impl Search<'_> {
     /// which cannot decide between the two sides.
     pub fn equal_mirror(&self, solution: &FrameSolution, surprise: f64) -> Option<IdentityFinding> {
         /// A hypothesis whose χ² is larger by less than this fits as well.
-        const AS_WELL: f64 = 4.0;
+        const EQUAL_FIT: f64 = 4.0;
         // A camera expected from the start or the neighbouring frames decides the side already.
         if self.context.expected_ptz().is_some() {
             return None;
@@ -158,7 +158,7 @@ impl Search<'_> {
         self.sides()
             .filter_map(|side| self.score(side))
             .filter(|scored| {
-                scored.chi_squared + scored.surprise < solution.chi_squared + surprise + AS_WELL
+                scored.chi_squared + scored.surprise < solution.chi_squared + surprise + EQUAL_FIT
             })
             .min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
             .map(|scored| scored.finding(Evidence::None, self.base, solution))

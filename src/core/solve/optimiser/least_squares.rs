@@ -441,7 +441,7 @@ mod tests {
         }
     }
 
-    const FAR: Stopping = Stopping {
+    const LIMITS: Stopping = Stopping {
         max_iterations: 60,
         short_step: 1e-12,
         small_gain: 0.0,
@@ -465,7 +465,7 @@ mod tests {
 
     #[test]
     fn blocks_share_what_they_have_in_common_and_keep_their_own() {
-        let found = minimise(&planes(0.0), (SVector::zeros(), vec![0.0; 3]), FAR);
+        let found = minimise(&planes(0.0), (SVector::zeros(), vec![0.0; 3]), LIMITS);
         let (slopes, offsets) = found.state;
         assert!(
             (slopes - SVector::<f64, 2>::new(0.7, -0.2)).norm() < 1e-9,
@@ -478,7 +478,7 @@ mod tests {
 
     #[test]
     fn a_robust_loss_hardly_follows_what_is_far_off_and_a_minimum_has_no_gradient() {
-        let found = minimise(&planes(100.0), (SVector::zeros(), vec![0.0; 3]), FAR);
+        let found = minimise(&planes(100.0), (SVector::zeros(), vec![0.0; 3]), LIMITS);
         assert!(
             (found.state.0 - SVector::<f64, 2>::new(0.7, -0.2)).norm() < 0.01,
             "{}",
@@ -524,7 +524,11 @@ mod tests {
             y: 0.0,
             z: 0.0,
         }]);
-        let found = minimise(&problem, (SVector::zeros(), vec![0.0, 0.0, 0.0, 7.0]), FAR);
+        let found = minimise(
+            &problem,
+            (SVector::zeros(), vec![0.0, 0.0, 0.0, 7.0]),
+            LIMITS,
+        );
         let (slopes, offsets) = found.state;
         assert!(
             (slopes - SVector::<f64, 2>::new(0.7, -0.2)).norm() < 1e-6,

@@ -17,7 +17,7 @@ pub const PLATE: Color32 = Color32::from_black_alpha(200);
 /// How long a name or a note about a point stays, s.
 const NAME_SHOWN_S: f64 = 4.0;
 /// Offset from a point to the text about it, points.
-const BESIDE: Vec2 = vec2(20.0, 16.0);
+const TEXT_OFFSET: Vec2 = vec2(20.0, 16.0);
 /// Minimum distance between such a text and the border of the picture, points.
 const BORDER: f32 = 8.0;
 
@@ -216,18 +216,18 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
         hint,
         hint_font.clone(),
     ));
-    let fits = at.x + BESIDE.x + width + BORDER < bounds.right();
+    let fits = at.x + TEXT_OFFSET.x + width + BORDER < bounds.right();
     let (side, align) = if fits {
         (1.0, Align2::LEFT_CENTER)
     } else {
         (-1.0, Align2::RIGHT_CENTER)
     };
-    let down = if at.y + BESIDE.y + 40.0 < bounds.bottom() {
+    let down = if at.y + TEXT_OFFSET.y + 40.0 < bounds.bottom() {
         1.0
     } else {
         -1.0
     };
-    let first = at + vec2(side * BESIDE.x, down * BESIDE.y);
+    let first = at + vec2(side * TEXT_OFFSET.x, down * TEXT_OFFSET.y);
     // The hint comes after the name, away from the point.
     let written = plate(
         painter,

@@ -142,7 +142,7 @@ const TAKES_PART_PX: f64 = 4.0;
 
 /// A fit is ambiguous if another one reaches this share of its agreement and lies farther away than
 /// [`ELSEWHERE_PX`].
-const AS_WELL: f64 = 0.9;
+const AMBIGUOUS_SHARE: f64 = 0.9;
 
 /// Fits nearer to the best one than this use the same lines, px at 1920 px width.
 const ELSEWHERE_PX: f64 = 10.0;
@@ -183,7 +183,7 @@ pub fn snap(
     // Ambiguous: a fit that is nearly as good lies elsewhere. Parallel lines cause this.
     for other in fits
         .iter()
-        .filter(|other| other.agreeing >= AS_WELL * best.agreeing)
+        .filter(|other| other.agreeing >= AMBIGUOUS_SHARE * best.agreeing)
     {
         let apart_px = problem.apart_px(best.ptz, other.ptz);
         if apart_px > ELSEWHERE_PX * problem.scale {

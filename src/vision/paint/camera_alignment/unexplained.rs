@@ -20,7 +20,7 @@ const PIECE_PX: f64 = 240.0;
 const NEAR_PX: f64 = 16.0;
 
 /// Minimum number of ridges for a share to be given.
-const FEWEST: usize = 12;
+const MIN_RIDGES: usize = 12;
 
 /// Share, 0 to 1, of the ridges on the playing area that none of the predicted lines explains. None
 /// if there are too few ridges. `samples` lie at most 16 px apart, at 1920 px width.
@@ -90,7 +90,7 @@ pub(super) fn unexplained_share(
             }
         }
     }
-    (all >= FEWEST).then(|| alone as f64 / all as f64)
+    (all >= MIN_RIDGES).then(|| alone as f64 / all as f64)
 }
 
 /// The middles of equal pieces, of about the given length, of a length.

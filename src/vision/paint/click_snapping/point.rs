@@ -40,7 +40,7 @@ const STEP_PX: f64 = 0.5;
 const CLEAR_PX: f64 = 6.0;
 
 /// Minimum number of samples with paint for a line to be found.
-const FEWEST: usize = 6;
+const MIN_SAMPLES: usize = 6;
 
 /// Minimum share of a line's open samples that have paint at the common offset.
 const SEEN_SHARE: f64 = 0.75;
@@ -204,7 +204,7 @@ impl Crossing<'_> {
             .iter()
             .filter(|(other_px, _)| (other_px - offset_px).abs() > SAME_PX * self.scale);
         let second = elsewhere.map(|(_, count)| *count).max().unwrap_or(0);
-        let seen = most >= FEWEST && most as f64 >= SEEN_SHARE * course.open as f64;
+        let seen = most >= MIN_SAMPLES && most as f64 >= SEEN_SHARE * course.open as f64;
         (seen && (second as f64) < AS_GOOD * most as f64).then_some(offset_px)
     }
 
@@ -241,7 +241,7 @@ impl Crossing<'_> {
                 .filter_map(|place| residual_px(place, line, &state))
                 .filter(|residual| residual.abs() <= WITHIN_PX * self.scale)
                 .count();
-            if agreeing < FEWEST || (agreeing as f64) < SEEN_SHARE * course.open as f64 {
+            if agreeing < MIN_SAMPLES || (agreeing as f64) < SEEN_SHARE * course.open as f64 {
                 return None;
             }
         }

@@ -26,7 +26,7 @@ use words::{clicks_that_help, describe_abstention};
 
 /// Minimum number of frames. Fewer hardly separate what is painted on the ground from what moves
 /// over it.
-const FEWEST: usize = 3;
+const MIN_FRAMES: usize = 3;
 
 /// Finds the base of a camera from the pictures of its frames.
 #[derive(Debug)]
@@ -195,7 +195,7 @@ impl App {
             .frames
             .iter()
             .filter(|frame| frame.camera == *camera)
-            .nth(FEWEST - 1)
+            .nth(MIN_FRAMES - 1)
             .is_none();
         few.then_some("The camera has too few frames: 3 or more that overlap are needed.")
     }
