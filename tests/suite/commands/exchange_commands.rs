@@ -491,7 +491,7 @@ fn pictures_of_unknown_cameras_get_one_each_from_their_lines() {
 
 #[test]
 fn the_number_of_formats_is_stated_as_it_is() {
-    let exports = Format::ALL.into_iter().filter(|format| format.exports());
+    let exports = Format::all().filter(|format| format.exports());
     let count = exports.count();
     for file in [
         "CHANGELOG.md",
