@@ -147,7 +147,7 @@ pub(super) fn format_parser(
     goes: fn(Format) -> bool,
 ) -> impl clap::builder::TypedValueParser<Value = Format> {
     // The same list is the parser, the help and the completion.
-    let formats = Format::ALL.into_iter().filter(move |format| goes(*format));
+    let formats = Format::all().filter(move |format| goes(*format));
     let values: Vec<PossibleValue> = formats
         .map(|format| PossibleValue::new(format.name()).help(describe_format(format)))
         .collect();
@@ -157,12 +157,11 @@ pub(super) fn format_parser(
 
 /// The title of a format, and what an export loses.
 fn describe_format(format: Format) -> String {
-    let lost = if format.exports() {
-        format!(" (an export loses: {})", format.loses())
-    } else {
-        String::new()
-    };
-    format!("{}{lost}", format.title())
+    let about = format.about();
+    let lost = about
+        .loses
+        .map(|loses| format!(" (an export loses: {loses})"));
+    format!("{}{}", about.title, lost.unwrap_or_default())
 }
 
 /// Parses a status by its name in documents.

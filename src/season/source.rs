@@ -4,8 +4,7 @@
 //! Both are written into a small file beside the video or folder (`match.mp4.touchline-hash`), with
 //! the names, sizes and times of the files that they are of. As long as these are the same, nothing
 //! is read again. The file may be deleted at any time; where it cannot be written, each run hashes
-//! anew. Earlier versions named it as the window names the project of a video, which is a folder;
-//! what they kept is moved to its new name.
+//! anew.
 
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -14,7 +13,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use thiserror::Error;
-use touchline_core::files::PROJECT_SUFFIX;
 use touchline_documents::document::generator;
 use touchline_documents::store::write_atomically;
 use touchline_vision::media::{FrameSource, MediaError, sha256_of_bytes, sha256_of_file};
@@ -89,8 +87,7 @@ struct Kept {
 pub fn examine_source(path: &Path) -> Result<SourceState, SourceError> {
     // Names, sizes and times are read before the contents and again after them. A change in between
     // then shows, and the hash is not kept.
-    let kept_at = sidecar_path(path, SUFFIX);
-    move_kept(&sidecar_path(path, PROJECT_SUFFIX), &kept_at);
+    let kept_at = kept_path(path);
     let files = files_of(path)?;
     if let Some(kept) = read_kept(&kept_at)
         && kept.files == files.hash
@@ -149,19 +146,10 @@ pub fn place_of_source(path: &Path) -> Result<(PathBuf, String), SourceError> {
     Ok((folder.to_path_buf(), name.to_owned()))
 }
 
-/// Moves what an earlier version kept to its new name, unless there is something.
-fn move_kept(from: &Path, to: &Path) {
-    // Any other file of this name is not the program's. Where it cannot be moved, the frames are
-    // hashed again.
-    if read_kept(from).is_some() && !to.exists() {
-        let _ = fs::rename(from, to);
-    }
-}
-
-fn sidecar_path(path: &Path, suffix: &str) -> PathBuf {
+fn kept_path(path: &Path) -> PathBuf {
     // By its components: behind a final separator the suffix would name a file in the folder.
     let mut name = path.components().as_path().as_os_str().to_owned();
-    name.push(suffix);
+    name.push(SUFFIX);
     PathBuf::from(name)
 }
 
@@ -231,7 +219,7 @@ mod tests {
     #[test]
     fn a_kept_hash_lies_beside_a_folder_with_a_final_separator() {
         for folder in ["season/images", "season/images/", "season/images/."] {
-            let kept = sidecar_path(Path::new(folder), SUFFIX);
+            let kept = kept_path(Path::new(folder));
             assert_eq!(kept, Path::new("season/images.touchline-hash"), "{folder}");
         }
     }
@@ -245,8 +233,6 @@ mod tests {
             image::RgbImage::new(8, 8).save(images.join(name)).unwrap();
         }
         let kept = folder.path().join("images.touchline-hash");
-        let project = folder.path().join("images.touchline");
-        fs::create_dir(&project).unwrap();
         let state = examine_source(&images).unwrap();
         assert_eq!((state.num_frames, state.fps), (2, None));
         assert!(!kept.exists(), "the files changed just now");
@@ -259,11 +245,6 @@ mod tests {
         let marked = text.replace(&state.sha256, "kept");
         fs::write(&kept, marked).unwrap();
         assert_eq!(examine_source(&images).unwrap().sha256, "kept");
-        // The name of an earlier version, which leaves no place for the project.
-        fs::remove_dir(&project).unwrap();
-        fs::rename(&kept, &project).unwrap();
-        assert_eq!(examine_source(&images).unwrap().sha256, "kept");
-        assert!(kept.exists() && !project.exists());
 
         image::RgbImage::new(9, 9)
             .save(images.join("2.png"))

@@ -122,10 +122,7 @@ fn edit_and_undo(bencher: Bencher) {
     let mut history = History::default();
     bencher.bench_local(|| {
         let before = document.clone();
-        history.begin(
-            &document,
-            Step::on_frame("Move", document.frames[5000].id.clone()),
-        );
+        history.begin(&document, Step::on_document("Move"));
         document.frames[5000].clicks[0].image.x += 1.0;
         history.commit(&document);
         let edit = Edit::between(&before, &document, "Move");
@@ -193,10 +190,7 @@ fn long_video(steps: usize) -> (TempDir, PathBuf, Document, History<Document>) {
 
 /// A click moves.
 fn step(document: &mut Document, history: &mut History<Document>, position: usize) {
-    history.begin(
-        document,
-        Step::on_frame("Move", document.frames[position].id.clone()),
-    );
+    history.begin(document, Step::on_document("Move"));
     document.frames[position].clicks[0].image.x += 1.0;
     document.frames[position].revision += 1;
     history.commit(document);

@@ -11,7 +11,7 @@ use touchline::calibrate::{ENOUGH_REPEATS, FrameLookup, OwnNoise, calibrate, che
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Document, FieldSpec, Fields, Frame, FramePtz, FrameStatus, Repeat,
-    document_from_bytes, document_to_string,
+    StoredClickNoise, document_from_bytes, document_to_string,
 };
 use touchline::evaluate::{Agreement, agreement};
 use touchline::field::{FieldModel, builtin};
@@ -437,7 +437,9 @@ fn check_reports_faults_in_repeats_and_click_noise() {
         ImagePoint::new(5.0, 600.0),
         1,
     ));
-    document.click_noise = Some(serde_json::json!({ "use": true, "hand_factor": -1.0 }).into());
+    document.click_noise = Some(StoredClickNoise::Unreadable(
+        serde_json::json!({ "use": true, "hand_factor": -1.0 }),
+    ));
     let codes: Vec<&str> = check_values(document.at(Path::new(".")))
         .iter()
         .map(|problem| problem.fault.code())

@@ -57,15 +57,14 @@ pub struct Settings {
 
 /// A document that was opened before.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "StoredDocument")]
 pub struct RecentDocument {
     /// The document's file.
     pub file: PathBuf,
     /// Where the picture of its first frame is read from: an image or a video.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub picture: Option<PathBuf>,
     /// The frame's index among those of the video; none if the picture is an image.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub video_frame: Option<usize>,
 }
 
@@ -91,35 +90,6 @@ impl RecentDocument {
             Some(index) => FrameRef::video(path, index),
             None => FrameRef::image(path),
         })
-    }
-}
-
-/// A recent document as settings store it. Earlier versions stored the file alone.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum StoredDocument {
-    File(PathBuf),
-    Document {
-        file: PathBuf,
-        picture: Option<PathBuf>,
-        video_frame: Option<usize>,
-    },
-}
-
-impl From<StoredDocument> for RecentDocument {
-    fn from(stored: StoredDocument) -> Self {
-        match stored {
-            StoredDocument::File(file) => Self::new(&file, None),
-            StoredDocument::Document {
-                file,
-                picture,
-                video_frame,
-            } => Self {
-                file,
-                picture,
-                video_frame,
-            },
-        }
     }
 }
 
@@ -370,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recent_document_keeps_its_picture_and_may_be_a_path_alone() {
+    fn a_recent_document_keeps_its_picture() {
         let frame = FrameRef::video(PathBuf::from("/m/match.mp4"), 7);
         let image = FrameRef::image(PathBuf::from("/m/1.jpg"));
         let mut settings = Settings::default();
@@ -383,9 +353,5 @@ mod tests {
         assert_eq!(read, settings);
         let pictures: Vec<_> = read.recent.iter().map(RecentDocument::picture).collect();
         assert_eq!(pictures, [Some(image), Some(frame)]);
-
-        let earlier = Settings::from_json(r#"{"recent": ["/m/a/project.json"]}"#).unwrap();
-        assert_eq!(earlier.recent[0].file, Path::new("/m/a/project.json"));
-        assert_eq!(earlier.recent[0].picture(), None);
     }
 }

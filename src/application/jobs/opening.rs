@@ -158,14 +158,11 @@ fn write_project(folder: &Path, document: &Document) -> Result<(), JobError> {
 /// The existing project of a folder of frames or of a video. One in the user's data folder counts
 /// only if its frames are these, because two matches may have the same names.
 fn find_project(path: &Path) -> Option<PathBuf> {
-    let own = user_projects()
-        .into_iter()
-        .flat_map(|projects| [own_place(&projects, path), old_place(&projects, path)]);
     beside(path)
         .filter(|folder| has_project(folder))
         .or_else(|| {
-            own.into_iter()
-                .find(|folder| has_project(folder) && is_of_frames(folder, path))
+            let own = own_place(&user_projects()?, path);
+            (has_project(&own) && is_of_frames(&own, path)).then_some(own)
         })
 }
 
@@ -197,21 +194,11 @@ fn project_name(path: &Path) -> OsString {
 fn own_place(projects: &Path, path: &Path) -> PathBuf {
     const DIGITS: usize = 12;
     let digest = sha256_of_bytes(path.as_os_str().as_encoded_bytes());
-    let mut place = last_folder(path);
+    let parent = path.parent().and_then(Path::file_name);
+    let mut place = parent.map_or_else(OsString::new, ToOwned::to_owned);
     place.push("-");
     place.push(&digest[..DIGITS.min(digest.len())]);
     projects.join(place).join(project_name(path))
-}
-
-/// The folder that earlier versions of the program used.
-fn old_place(projects: &Path, path: &Path) -> PathBuf {
-    projects.join(last_folder(path)).join(project_name(path))
-}
-
-fn last_folder(path: &Path) -> OsString {
-    path.parent()
-        .and_then(Path::file_name)
-        .map_or_else(OsString::new, ToOwned::to_owned)
 }
 
 /// Whether a project has a frame from this folder or video.
@@ -386,19 +373,17 @@ mod tests {
             own_place(&projects, &red).file_name().unwrap(),
             "clip.touchline"
         );
-        // An earlier version stored the project of the red card here.
-        let old = old_place(&projects, &red);
-        assert_eq!(old, old_place(&projects, &blue));
+        let project = own_place(&projects, &red);
         let source = FrameSource::open(&red).unwrap();
         let made = document_from_frames(
             &source,
-            &old,
+            &project,
             FieldSpec::new(DEFAULT_FIELD),
             NonZeroUsize::MIN,
             &Progress::default(),
         );
-        write_project(&old, &made.document).unwrap();
-        assert!(is_of_frames(&old, &red) && !is_of_frames(&old, &blue));
+        write_project(&project, &made.document).unwrap();
+        assert!(is_of_frames(&project, &red) && !is_of_frames(&project, &blue));
     }
 
     #[test]

@@ -393,20 +393,6 @@ fn answers_across_the_seam_are_plausible() {
                 place.name
             );
         }
-        // Where a forest of an earlier version has the least and the greatest of the pans.
-        let pans = taught.map(|ptz| ptz.pan.degrees());
-        let (least, greatest) = pans.iter().fold((180.0_f64, -180.0_f64), |(a, b), pan| {
-            (pan.min(a), pan.max(b))
-        });
-        let earlier = SeenRange {
-            pan_deg: least..=greatest,
-            ..seen
-        };
-        assert!(
-            taught.iter().all(|ptz| earlier.plausible().contains(ptz)),
-            "{}",
-            place.name
-        );
     }
 }
 

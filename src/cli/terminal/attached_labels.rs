@@ -25,7 +25,7 @@ pub fn recognize(given: Option<Format>, path: &Path, messages: Messages) -> anyh
 
 /// Says which format was recognized.
 pub fn note_format(format: Format, messages: Messages) {
-    messages.note(&format!("the format is {format}: {}", format.title()));
+    messages.note(&format!("the format is {format}: {}", format.about().title));
 }
 
 /// Reads the labels of another program.

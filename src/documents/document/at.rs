@@ -1,6 +1,6 @@
 //! A document together with its folder.
 
-use super::{Document, FieldSpec, Frame};
+use super::{Document, FieldSpec};
 use std::ops::Deref;
 use std::path::Path;
 use touchline_core::field::{FieldError, FieldModel};
@@ -35,14 +35,6 @@ impl DocumentAt<'_> {
         let mut field = spec.model(self.folder)?;
         self.document.weight_clicks(&mut field);
         Ok(field)
-    }
-
-    /// The field that a frame shows, with the click noise that the document uses.
-    ///
-    /// # Errors
-    /// There is no such template, or it does not accept a parameter or its value.
-    pub fn model_of_frame(self, frame: &Frame) -> Result<FieldModel, FieldError> {
-        self.model_of(self.document.field_of(frame))
     }
 
     /// The document rewritten for another folder: see [`Document::relocate`].

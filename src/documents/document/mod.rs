@@ -123,7 +123,6 @@ pub use edits::edit::{Change, Edit, EditKind};
 pub use edits::edit_mismatch::EditMismatch;
 pub use edits::frame_changes::FrameChanges;
 pub use edits::history::{History, Step, Undoable};
-pub use edits::old_edit::OldChange;
 pub use edits::step_edit::{StepEdit, StepMisfit};
 pub use edits::suggestion_change::SuggestionChange;
 pub use fields::Fields;

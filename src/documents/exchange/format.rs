@@ -1,6 +1,4 @@
-//! The foreign formats by name.
-
-use std::fmt;
+//! The foreign formats by name, and what each declares of itself.
 
 /// A format of an import or export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -58,227 +56,48 @@ pub enum Format {
     AuthorsMat,
 }
 
-impl Format {
-    /// Every format, in the order of the help.
-    pub const ALL: [Self; 25] = [
-        Self::Json,
-        Self::SoccerNet,
-        Self::SoccerNetLines,
-        Self::Csv,
-        Self::YoloPose,
-        Self::Coco,
-        Self::Cvat,
-        Self::LabelStudio,
-        Self::Labelme,
-        Self::Wc14,
-        Self::TsWorldCup,
-        Self::Homography,
-        Self::BroadTrack,
-        Self::Colmap,
-        Self::OpenCv,
-        Self::Usda,
-        Self::OpenTrackIo,
-        Self::FreeD,
-        Self::FreeDCsv,
-        Self::DeepSport,
-        Self::Chan,
-        Self::Fifa,
-        Self::Cdf,
-        Self::PnlCalib,
-        Self::AuthorsMat,
-    ];
-
+/// What a format is, as its file declares it beside reading and writing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct About {
     /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Json => "json",
-            Self::SoccerNet => "soccernet",
-            Self::SoccerNetLines => "soccernet-lines",
-            Self::Csv => "csv",
-            Self::YoloPose => "yolo-pose",
-            Self::Coco => "coco",
-            Self::Cvat => "cvat",
-            Self::LabelStudio => "label-studio",
-            Self::Labelme => "labelme",
-            Self::Wc14 => "wc14",
-            Self::TsWorldCup => "tsworldcup",
-            Self::Homography => "homography",
-            Self::BroadTrack => "broadtrack",
-            Self::Colmap => "colmap",
-            Self::OpenCv => "opencv",
-            Self::Usda => "usda",
-            Self::OpenTrackIo => "opentrackio",
-            Self::FreeD => "freed",
-            Self::FreeDCsv => "freed-csv",
-            Self::DeepSport => "deepsport",
-            Self::Chan => "chan",
-            Self::Fifa => "fifa",
-            Self::Cdf => "cdf",
-            Self::PnlCalib => "pnlcalib",
-            Self::AuthorsMat => "authors-mat",
-        }
-    }
-
+    pub name: &'static str,
     /// Its description in one line.
-    #[must_use]
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::Json => "a dataset: one file of the document's own schema",
-            Self::SoccerNet => "SoccerNet camera files, one per frame",
-            Self::SoccerNetLines => "SoccerNet line annotations, one file per frame",
-            Self::Csv => "a table, one row per frame, with R, t and H",
-            Self::YoloPose => "keypoints for Ultralytics' pose models",
-            Self::Coco => "COCO keypoints",
-            Self::Cvat => "CVAT for images, XML 1.1",
-            Self::LabelStudio => "Label Studio keypoints",
-            Self::Labelme => "labelme, one file per image",
-            Self::Wc14 => "World Cup 2014 homographies, one file per frame",
-            Self::TsWorldCup => "TS-WorldCup homographies, one .npy per frame",
-            Self::Homography => "homographies that state their direction",
-            Self::BroadTrack => "BroadTrack cameras, one JSON file",
-            Self::Colmap => "COLMAP text: cameras, images, points3D",
-            Self::OpenCv => "OpenCV FileStorage YAML, one file per frame",
-            Self::Usda => "a USD stage with an animated camera",
-            Self::OpenTrackIo => "OpenTrackIO 1.0.1, one sample per line",
-            Self::FreeD => "FreeD D1 packets, back to back",
-            Self::FreeDCsv => "FreeD data as a table, with times",
-            Self::DeepSport => "DeepSport basketball cameras",
-            Self::Chan => "a Nuke camera track",
-            Self::Fifa => "FIFA Skeletal Tracking cameras, one .npz per video",
-            Self::Cdf => "Common Data Format: the sheet of a video",
-            Self::PnlCalib => "cameras of PnLCalib, NBJW or TVCalib",
-            Self::AuthorsMat => "the two-point method's MATLAB files",
-        }
-    }
-
-    /// What an export loses, in a few words.
-    #[must_use]
-    pub const fn loses(self) -> &'static str {
-        match self {
-            Self::Json => "nothing",
-            Self::SoccerNet => "size of the picture, time, uncertainty",
-            Self::SoccerNetLines => "landmarks, cameras; corner arcs have no class",
-            Self::Csv => "clicks",
-            Self::YoloPose => "points on lines, points outside of the picture, cameras",
-            Self::Coco => "points on lines, cameras",
-            Self::LabelStudio | Self::Labelme => "check points, cameras",
-            Self::Wc14 | Self::TsWorldCup | Self::Homography => {
-                "lens, points off the ground, time, uncertainty"
-            }
-            Self::BroadTrack => "an off-centre principal point, time, uncertainty",
-            Self::Colmap | Self::OpenCv => "time, uncertainty",
-            Self::Usda => "lens, size of the picture, uncertainty",
-            Self::OpenTrackIo => "uncertainty",
-            Self::FreeD => {
-                "lens, principal point, size, time; steps of 1/32768° and 1/64 mm, whole zoom values"
-            }
-            Self::FreeDCsv => "lens, principal point, size; whole zoom values",
-            Self::Chan => "lens, principal point, size, rate, uncertainty",
-            Self::Fifa => "size of the picture, numbers and times of frames, uncertainty",
-            Self::Cdf => {
-                "everything but the camera's position, the picture size and the frame rate"
-            }
-            Self::Cvat | Self::DeepSport | Self::PnlCalib | Self::AuthorsMat => "it is read only",
-        }
-    }
-
-    /// The format of a name.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|format| format.name() == name)
-    }
-
-    /// Whether it stores points or lines of pictures, not cameras.
-    #[must_use]
-    pub const fn is_of_points(self) -> bool {
-        matches!(
-            self,
-            Self::SoccerNetLines
-                | Self::YoloPose
-                | Self::Coco
-                | Self::Cvat
-                | Self::LabelStudio
-                | Self::Labelme
-        )
-    }
-
-    /// Whether an export makes a folder, not a file.
-    #[must_use]
-    pub const fn is_folder(self) -> bool {
-        matches!(
-            self,
-            Self::SoccerNet
-                | Self::SoccerNetLines
-                | Self::YoloPose
-                | Self::Labelme
-                | Self::Wc14
-                | Self::TsWorldCup
-                | Self::Colmap
-                | Self::OpenCv
-                | Self::DeepSport
-                | Self::PnlCalib
-                | Self::AuthorsMat
-        )
-    }
-
-    /// Whether it can be imported.
-    #[must_use]
-    pub const fn imports(self) -> bool {
-        !matches!(self, Self::Usda | Self::Cdf)
-    }
-
-    /// Whether an export is read back, and every landmark or click compared, before it is written.
-    /// A sheet without cameras is not verified; a document is compared as text.
-    #[must_use]
-    pub const fn is_proved(self) -> bool {
-        self.exports() && !matches!(self, Self::Cdf | Self::Json)
-    }
-
-    /// Whether it can be exported.
-    #[must_use]
-    pub const fn exports(self) -> bool {
-        !matches!(
-            self,
-            Self::Cvat | Self::DeepSport | Self::PnlCalib | Self::AuthorsMat
-        )
-    }
+    pub title: &'static str,
+    /// World, angles, units, pixels.
+    pub conventions: &'static str,
+    /// Who reads it.
+    pub users: &'static str,
+    /// What an export loses, in a few words; none where the format is only read.
+    pub loses: Option<&'static str>,
+    /// What its file is usually called; none where an export makes a folder.
+    pub file: Option<&'static str>,
+    /// The description of its files in errors: "camera files".
+    pub files: &'static str,
+    /// The endings of the files that are read; none where the format is only written.
+    pub endings: &'static [&'static str],
+    /// The options of exports and imports that it takes beside those of all cameras or all clicks.
+    pub options: &'static [FormatOption],
 }
 
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Format;
-
-    #[test]
-    fn every_format_has_a_name_of_its_own_and_goes_one_way_at_least() {
-        for format in Format::ALL {
-            assert_eq!(Format::from_name(format.name()), Some(format));
-            assert!(format.imports() || format.exports(), "{format}");
-            assert!(
-                !format.exports() || format.loses() != "it is read only",
-                "{format}"
-            );
-        }
-    }
-
-    #[test]
-    fn every_format_has_its_page() {
-        let pages = touchline_assets::FORMATS;
-        for format in Format::ALL {
-            let page = pages
-                .split("\n## ")
-                .find(|page| page.lines().next() == Some(format.name()));
-            let page = page.unwrap_or_else(|| panic!("assets/formats.md has no section {format}"));
-            for part in ["**Conventions**", "**Used", "**Lost**"] {
-                assert!(page.contains(part), "{format}: {part}");
-            }
-        }
-        assert_eq!(pages.matches("\n## ").count(), Format::ALL.len());
-    }
+/// An option that only some formats take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FormatOption {
+    /// Homographies of undistorted pictures.
+    Undistorted,
+    /// Metadata of the recording, and its frame rate.
+    Recording,
+    /// Those of a track over time: what happens to missing frames, and the frame rate.
+    Track,
+    /// The width of the sensor.
+    Sensor,
+    /// The timecode of the first frame.
+    Start,
+    /// The meaning of zoom values.
+    Zoom,
+    /// The axes of a stage.
+    Stage,
+    /// The names of Roboflow's keypoints.
+    Roboflow,
+    /// The names of lines of the game state challenge.
+    GameState,
 }

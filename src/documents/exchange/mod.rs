@@ -12,7 +12,6 @@
 //! represent is reported with the result, in px ([`Loss`]). [`import()`] makes a document from
 //! foreign files. The conventions of each format are described at the top of its file.
 
-mod about;
 mod authors_mat;
 mod camera_formats;
 mod cameras;
@@ -30,7 +29,6 @@ mod syntax;
 mod tests;
 mod timecode;
 
-pub use about::About;
 pub use authors_mat::{
     AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder,
     read_authors_sequence,
@@ -46,7 +44,7 @@ pub use exports::exported::Exported;
 pub use exports::loss::Loss;
 pub use exports::work_packages::{restore_version, write_packages};
 pub use files::Files;
-pub use format::Format;
+pub use format::{About, Format, FormatOption};
 pub use imports::attach::{
     AttachedPair, Attachment, AttachmentCandidate, Counting, MatchedBy, NotAttached,
     plan_attachment, size_of_only_video,

@@ -1,65 +1,179 @@
-//! The readers and writers of all formats of cameras and clicks.
+//! Every format with its reader and writer, and what the rest of the program asks of a format.
 
-use super::format::Format;
-use crate::exchange::camera_formats::broadtrack::BroadTrack;
-use crate::exchange::camera_formats::cdf::Cdf;
-use crate::exchange::camera_formats::chan::Chan;
-use crate::exchange::camera_formats::colmap::Colmap;
-use crate::exchange::camera_formats::csv_table::Csv;
-use crate::exchange::camera_formats::deepsport::DeepSport;
-use crate::exchange::camera_formats::fifa::Fifa;
-use crate::exchange::camera_formats::freed::{FreeD, FreeDCsv};
-use crate::exchange::camera_formats::homography_files::{HomographyLines, TsWorldCup, Wc14};
-use crate::exchange::camera_formats::opencv_yaml::OpenCvYaml;
-use crate::exchange::camera_formats::opentrackio::OpenTrackIo;
-use crate::exchange::camera_formats::soccernet::{PnlCalib, SoccerNet};
-use crate::exchange::camera_formats::usda::Usda;
-use crate::exchange::cameras::camera_format::CameraFormat;
-use crate::exchange::click_formats::clicked_frame::ClickFormat;
-use crate::exchange::click_formats::coco::Coco;
-use crate::exchange::click_formats::cvat::Cvat;
-use crate::exchange::click_formats::label_studio::LabelStudio;
-use crate::exchange::click_formats::labelme::Labelme;
-use crate::exchange::click_formats::soccernet_lines::SoccerNetLines;
-use crate::exchange::click_formats::yolo_pose::YoloPose;
+use super::authors_mat;
+use super::camera_formats::{
+    broadtrack, cdf, chan, colmap, csv_table, deepsport, fifa, freed, homography_files,
+    opencv_yaml, opentrackio, soccernet, usda,
+};
+use super::cameras::camera_format::CameraFormat;
+use super::click_formats::clicked_frame::ClickFormat;
+use super::click_formats::{coco, cvat, label_studio, labelme, soccernet_lines, yolo_pose};
+use super::format::{About, Format, FormatOption};
+use Codec::{Cameras, Clicks, Documents};
+use std::fmt;
 
-/// The reader and writer of a format of cameras; none for formats of clicks and for whole
-/// documents.
-#[must_use]
-pub fn camera_format(format: Format) -> Option<&'static dyn CameraFormat> {
-    Some(match format {
-        Format::SoccerNet => &SoccerNet,
-        Format::PnlCalib => &PnlCalib,
-        Format::Csv => &Csv,
-        Format::Wc14 => &Wc14,
-        Format::TsWorldCup => &TsWorldCup,
-        Format::Homography => &HomographyLines,
-        Format::BroadTrack => &BroadTrack,
-        Format::Colmap => &Colmap,
-        Format::OpenCv => &OpenCvYaml,
-        Format::Usda => &Usda,
-        Format::OpenTrackIo => &OpenTrackIo,
-        Format::FreeD => &FreeD,
-        Format::FreeDCsv => &FreeDCsv,
-        Format::DeepSport => &DeepSport,
-        Format::Chan => &Chan,
-        Format::Fifa => &Fifa,
-        Format::Cdf => &Cdf,
-        _ => return None,
-    })
+/// What reads and writes a format.
+#[derive(Clone, Copy)]
+pub enum Codec {
+    /// Cameras or homographies of frames.
+    Cameras(&'static dyn CameraFormat),
+    /// Points of pictures.
+    Clicks(&'static dyn ClickFormat),
+    /// Whole documents, which no other format can hold.
+    Documents(About),
 }
 
-/// The reader and writer of a format of clicks; none for formats of cameras and for whole
-/// documents.
+/// The document itself.
+const DATASET: About = About {
+    name: "json",
+    title: "a dataset: one file of the document's own schema",
+    conventions: "world: origin at the field's centre, x right, y away, z up, m; degrees; pixels from the corner",
+    users: "this program, touchline_dataset.py (numpy)",
+    loses: Some("nothing"),
+    file: Some("dataset.json"),
+    files: "dataset (.json)",
+    endings: &["json"],
+    options: &[],
+};
+
+/// Every format, in the order of the help.
+static FORMATS: [(Format, Codec); 25] = [
+    (Format::Json, Documents(DATASET)),
+    (Format::SoccerNet, Cameras(&soccernet::SoccerNet)),
+    (
+        Format::SoccerNetLines,
+        Clicks(&soccernet_lines::SoccerNetLines),
+    ),
+    (Format::Csv, Cameras(&csv_table::Csv)),
+    (Format::YoloPose, Clicks(&yolo_pose::YoloPose)),
+    (Format::Coco, Clicks(&coco::Coco)),
+    (Format::Cvat, Clicks(&cvat::Cvat)),
+    (Format::LabelStudio, Clicks(&label_studio::LabelStudio)),
+    (Format::Labelme, Clicks(&labelme::Labelme)),
+    (Format::Wc14, Cameras(&homography_files::Wc14)),
+    (Format::TsWorldCup, Cameras(&homography_files::TsWorldCup)),
+    (
+        Format::Homography,
+        Cameras(&homography_files::HomographyLines),
+    ),
+    (Format::BroadTrack, Cameras(&broadtrack::BroadTrack)),
+    (Format::Colmap, Cameras(&colmap::Colmap)),
+    (Format::OpenCv, Cameras(&opencv_yaml::OpenCvYaml)),
+    (Format::Usda, Cameras(&usda::Usda)),
+    (Format::OpenTrackIo, Cameras(&opentrackio::OpenTrackIo)),
+    (Format::FreeD, Cameras(&freed::FreeD)),
+    (Format::FreeDCsv, Cameras(&freed::FreeDCsv)),
+    (Format::DeepSport, Cameras(&deepsport::DeepSport)),
+    (Format::Chan, Cameras(&chan::Chan)),
+    (Format::Fifa, Cameras(&fifa::Fifa)),
+    (Format::Cdf, Cameras(&cdf::Cdf)),
+    (Format::PnlCalib, Cameras(&soccernet::PnlCalib)),
+    (Format::AuthorsMat, Documents(authors_mat::ABOUT)),
+];
+
+/// What reads and writes a format.
 #[must_use]
-pub fn click_format(format: Format) -> Option<&'static dyn ClickFormat> {
-    Some(match format {
-        Format::SoccerNetLines => &SoccerNetLines,
-        Format::YoloPose => &YoloPose,
-        Format::Coco => &Coco,
-        Format::Cvat => &Cvat,
-        Format::LabelStudio => &LabelStudio,
-        Format::Labelme => &Labelme,
-        _ => return None,
-    })
+pub fn codec(format: Format) -> Codec {
+    FORMATS[format as usize].1
+}
+
+impl Format {
+    /// Every format, in the order of the help.
+    pub fn all() -> impl Iterator<Item = Self> {
+        FORMATS.iter().map(|(format, _)| *format)
+    }
+
+    /// What it is.
+    #[must_use]
+    pub fn about(self) -> About {
+        match codec(self) {
+            Cameras(format) => format.about(),
+            Clicks(format) => format.about(),
+            Documents(about) => about,
+        }
+    }
+
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.about().name
+    }
+
+    /// The format of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::all().find(|format| format.name() == name)
+    }
+
+    /// Whether it stores points or lines of pictures, not cameras.
+    #[must_use]
+    pub fn is_of_points(self) -> bool {
+        matches!(codec(self), Clicks(_))
+    }
+
+    /// Whether an export makes a folder, not a file.
+    #[must_use]
+    pub fn is_folder(self) -> bool {
+        self.about().file.is_none()
+    }
+
+    /// Whether it takes an option.
+    #[must_use]
+    pub fn takes(self, option: FormatOption) -> bool {
+        self.about().options.contains(&option)
+    }
+
+    /// Whether it can be imported.
+    #[must_use]
+    pub fn imports(self) -> bool {
+        !self.about().endings.is_empty()
+    }
+
+    /// Whether it can be exported.
+    #[must_use]
+    pub fn exports(self) -> bool {
+        self.about().loses.is_some()
+    }
+
+    /// Whether an export is read back, and every landmark or click compared, before it is written.
+    /// A sheet without cameras is not verified; a document is compared as text.
+    #[must_use]
+    pub fn is_proved(self) -> bool {
+        self.exports() && !matches!(self, Self::Cdf | Self::Json)
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FORMATS, Format};
+
+    #[test]
+    fn every_format_has_a_name_of_its_own_and_goes_one_way_at_least() {
+        for (place, (format, _)) in FORMATS.iter().enumerate() {
+            assert_eq!(*format as usize, place, "{format}");
+            assert_eq!(Format::from_name(format.name()), Some(*format));
+            assert!(format.imports() || format.exports(), "{format}");
+        }
+    }
+
+    #[test]
+    fn every_format_has_its_page() {
+        let pages = touchline_assets::FORMATS;
+        for format in Format::all() {
+            let page = pages
+                .split("\n## ")
+                .find(|page| page.lines().next() == Some(format.name()));
+            let page = page.unwrap_or_else(|| panic!("assets/formats.md has no section {format}"));
+            for part in ["**Conventions**", "**Used", "**Lost**"] {
+                assert!(page.contains(part), "{format}: {part}");
+            }
+        }
+        assert_eq!(pages.matches("\n## ").count(), FORMATS.len());
+    }
 }

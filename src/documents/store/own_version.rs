@@ -162,9 +162,7 @@ fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
             Change::Cameras(_) => names.push("Changes in the cameras".to_owned()),
             Change::Field(_) => names.push("Changes in the field".to_owned()),
             Change::Order(_) => names.push("Another order of the frames".to_owned()),
-            Change::Rest { .. } | Change::Old(_) => {
-                names.push("Changes in the document".to_owned());
-            }
+            Change::Rest { .. } => names.push("Changes in the document".to_owned()),
         }
     }
     names

@@ -373,17 +373,17 @@ fn a_history_of_another_document_is_left_out() {
 }
 
 #[test]
-fn edits_of_a_journal_that_says_nothing_of_steps_end_the_history() {
+fn an_edit_that_is_no_step_ends_the_history() {
     let (_folder, path, mut editor) = Editor::create(3);
     editor.comment(0, "1");
     editor.save();
     let before = editor.document.clone();
     editor.document.frames[1].comment = Some("2".to_owned());
-    editor.journal(&before, "By an earlier version", EditKind::NoStep);
+    editor.journal(&before, "No step", EditKind::NoStep);
     editor.comment(2, "3");
     drop(editor);
     let mut editor = Editor::open(&path);
-    assert_eq!(editor.recovery.edits, ["By an earlier version", "3"]);
+    assert_eq!(editor.recovery.edits, ["No step", "3"]);
     editor.undo();
     assert!(editor.document.frames[2].comment.is_none() && editor.history.next_undo().is_none());
 }

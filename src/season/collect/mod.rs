@@ -220,12 +220,12 @@ fn refuse_other_folder(output: &Path) -> Result<(), CollectError> {
             });
         }
     };
-    // A first collection that was killed, or is going on, has left at least its lock. Earlier
-    // versions kept no record. The names of other files say nothing.
+    // A first collection that was killed, or is going on, has left at least its lock. The names of
+    // other files say nothing.
     let is_season = [RECORD_FILE, LOCK_FILE]
         .iter()
         .any(|file| output.join(file).exists());
-    if is_season || Queue::is_at(&output.join(QUEUE_FILE)) || entries.next().is_none() {
+    if is_season || entries.next().is_none() {
         return Ok(());
     }
     Err(CollectError::OtherFolder {

@@ -7,7 +7,6 @@
 //! like a person's.
 
 use super::CollectError;
-use super::queue::Queue;
 use crate::plan::PlannedMatch;
 use crate::season_file::{QUEUE_FILE, RECORD_FILE, TABLE_FILES};
 use serde::{Deserialize, Serialize};
@@ -26,10 +25,6 @@ const VERSION: u64 = 1;
 /// Maximum size of a record, bytes.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// What the tables of earlier versions begin with, by which these are known.
-pub(super) const TABLE_BEGINNINGS: [&str; 2] =
-    ["match,cameras,frames,", "| Match | Cameras | Frames |"];
-
 /// What was written into the folder of a season.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -40,9 +35,6 @@ pub(super) struct Record {
     files: BTreeMap<String, BTreeSet<String>>,
     /// The matches by the names of their folders, those that are no longer in the plan included.
     matches: BTreeMap<String, RecordedMatch>,
-    /// Whether an earlier version collected the season, which kept no record.
-    #[serde(skip)]
-    is_new: bool,
 }
 
 /// A match that was collected.
@@ -91,23 +83,14 @@ impl Record {
             version: VERSION,
             files: BTreeMap::new(),
             matches: BTreeMap::new(),
-            is_new: true,
         }
     }
 
-    /// Whether a file is as it was written; without a record, whether it begins as one of an
-    /// earlier version does.
+    /// Whether a file is as it was written.
     fn is_own(&self, name: &str, path: &Path) -> bool {
-        if !self.is_new {
-            let known = self.files.get(name);
-            let hash = sha256_of_file(path);
-            return hash.is_ok_and(|hash| known.is_some_and(|known| known.contains(&hash)));
-        }
-        if name == QUEUE_FILE {
-            return Queue::is_at(path);
-        }
-        let text = read_named_text(path, MAX_BYTES);
-        text.is_ok_and(|text| TABLE_BEGINNINGS.iter().any(|line| text.starts_with(line)))
+        let known = self.files.get(name);
+        let hash = sha256_of_file(path);
+        hash.is_ok_and(|hash| known.is_some_and(|known| known.contains(&hash)))
     }
 
     /// Writes a file beside the matches.
@@ -200,7 +183,7 @@ impl Record {
         // A folder that was renamed as its match was is known by the frames. A folder of images may
         // grow; each of them has a hash of its own.
         let of_frames = |recorded: &RecordedMatch| recorded.frames_sha256 == planned.frames_sha256;
-        if self.is_new || self.matches.values().any(of_frames) {
+        if self.matches.values().any(of_frames) {
             return None;
         }
         match self.matches.get(folder) {

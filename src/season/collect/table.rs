@@ -193,7 +193,6 @@ fn core_hours(planned: &PlannedMatch, parts: &Path) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::TABLE_BEGINNINGS;
     use super::*;
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Document, FieldSpec, VideoFrame};
@@ -230,12 +229,5 @@ mod tests {
         table.add(&planned, &found, Path::new("/no/parts"), 0.9);
         assert_eq!((table.sums.none, table.sums.gap), (8, 6));
         assert!(!table.sums.core_hours.is_sign_negative());
-        let table = table.finish();
-        for (text, beginning) in [table.to_csv(), table.to_markdown()]
-            .iter()
-            .zip(TABLE_BEGINNINGS)
-        {
-            assert!(text.starts_with(beginning), "{text}");
-        }
     }
 }

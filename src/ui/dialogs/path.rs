@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use touchline_application::app::{Action, Question};
 
 /// Title, text of the button, and an example, for a question.
-const fn describe(question: Question) -> (&'static str, &'static str, &'static str) {
+fn describe(question: Question) -> (&'static str, &'static str, &'static str) {
     match question {
         Question::Project => (
             "Open a project or dataset",

@@ -119,14 +119,13 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         }
         Question::Video => dialog.add_filter("Videos", &video_extensions()),
         Question::Queue => dialog.add_filter("Queues", &["json"]),
-        Question::ExportAs(format) if !format.is_folder() => {
-            dialog.set_file_name(format.usual_name())
+        Question::ExportAs(format) => match format.about().file {
+            Some(name) => dialog.set_file_name(name),
+            None => dialog,
+        },
+        Question::Folder | Question::CopyTo | Question::DatasetTo | Question::ImportFrom(_) => {
+            dialog
         }
-        Question::Folder
-        | Question::CopyTo
-        | Question::ExportAs(_)
-        | Question::DatasetTo
-        | Question::ImportFrom(_) => dialog,
     }
 }
 

@@ -157,7 +157,7 @@ fn waiting_labels(panel: &mut Panel<'_>, ui: &mut Ui) {
     let name = document_name(&labels.path);
     let text = format!(
         "{name}: {}. Now drop or open the video or the frames that they belong to.",
-        labels.format.title()
+        labels.format.about().title
     );
     ui.label(RichText::new(text).color(ui.palette().accent));
     let leave = ui

@@ -11,14 +11,8 @@ use touchline_core::geometry::{Angle, AngleRange, Mat3};
 /// Magic bytes at the start of a forest file.
 const MAGIC: &[u8; 8] = b"TLFOREST";
 
-/// The version of files written.
+/// The version of files written and read.
 pub const FOREST_VERSION: u32 = 5;
-
-/// The oldest version read; it lacks the references' cameras.
-const OLDEST_VERSION: u32 = 3;
-
-/// The first version with the covariances of the references' cameras.
-const WITH_LABELS: u32 = 5;
 
 /// Bytes of a reference's camera in a file.
 const CAMERA_BYTES: usize = 24;
@@ -62,10 +56,10 @@ pub struct SeenRange {
     /// Number of references with features.
     pub references: u32,
     /// The camera of each reference: an answer that repeats one is checked again (see
-    /// [`super::relocalize()`]). Empty in forests of earlier versions.
+    /// [`super::relocalize()`]).
     pub cameras: Vec<Ptz>,
-    /// Covariance of (pan rad, tilt rad, focal px) of each of these cameras, given the base. Empty
-    /// in forests of earlier versions; four clicks per reference are then assumed.
+    /// Covariance of (pan rad, tilt rad, focal px) of each of these cameras, given the base. Where
+    /// there is none, four clicks are assumed.
     pub labels: Vec<Mat3>,
     /// Success rate on references left out of the training; empty if it was not measured.
     pub shown: CertainAnswerCounts,
@@ -168,7 +162,7 @@ impl ForestModel {
     /// Reads a forest file.
     ///
     /// # Errors
-    /// The bytes are no forest, come from a newer or much older program, or are damaged.
+    /// The bytes are no forest, come from a newer or older program, or are damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ForestFileError> {
         // The version is checked before length and checksum: another version may have another
         // header, and to state the version helps more than to call the file damaged.
@@ -183,7 +177,7 @@ impl ForestModel {
                 newest: FOREST_VERSION,
             });
         }
-        if version < OLDEST_VERSION {
+        if version < FOREST_VERSION {
             return Err(ForestFileError::Older { version });
         }
         let (length, checksum) = (header.u64()?, header.u32()?);
@@ -216,7 +210,7 @@ impl ForestModel {
         };
         let count = body.count(1)?;
         let cameras = (0..count)
-            .map(|_| camera(&mut body, version))
+            .map(|_| camera(&mut body))
             .collect::<Result<_, _>>()?;
         body.finish()?;
         Ok(Self {
@@ -237,7 +231,7 @@ fn upper(covariance: &Mat3) -> [f64; 6] {
     [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|at| covariance[at])
 }
 
-fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileError> {
+fn camera(body: &mut Reader) -> Result<CameraForest, ForestFileError> {
     let camera = body.text()?.to_owned();
     let mut seen = SeenRange {
         pan_deg: body.f64()?..=body.f64()?,
@@ -248,35 +242,29 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
         labels: Vec::new(),
         shown: CertainAnswerCounts::default(),
     };
-    // Version 3 has no cameras of references and version 4 no covariances; the lists stay empty,
-    // for which `SeenRange` states what is assumed.
-    if version > OLDEST_VERSION {
-        for _ in 0..body.count(CAMERA_BYTES)? {
-            let (pan, tilt) = (
-                Angle::from_radians(body.f64()?),
-                Angle::from_radians(body.f64()?),
-            );
-            seen.cameras.push(Ptz {
-                pan,
-                tilt,
-                focal_px: body.f64()?,
-            });
-        }
+    for _ in 0..body.count(CAMERA_BYTES)? {
+        let (pan, tilt) = (
+            Angle::from_radians(body.f64()?),
+            Angle::from_radians(body.f64()?),
+        );
+        seen.cameras.push(Ptz {
+            pan,
+            tilt,
+            focal_px: body.f64()?,
+        });
     }
-    if version >= WITH_LABELS {
-        for _ in 0..body.count(LABEL_BYTES)? {
-            let mut upper = [0.0; 6];
-            for number in &mut upper {
-                *number = body.f64()?;
-            }
-            let [a, b, c, d, e, f] = upper;
-            seen.labels.push(Mat3::new(a, b, c, b, d, e, c, e, f));
+    for _ in 0..body.count(LABEL_BYTES)? {
+        let mut upper = [0.0; 6];
+        for number in &mut upper {
+            *number = body.f64()?;
         }
-        seen.shown = CertainAnswerCounts {
-            certain: body.u32()?,
-            right: body.u32()?,
-        };
+        let [a, b, c, d, e, f] = upper;
+        seen.labels.push(Mat3::new(a, b, c, b, d, e, c, e, f));
     }
+    seen.shown = CertainAnswerCounts {
+        certain: body.u32()?,
+        right: body.u32()?,
+    };
     Ok(CameraForest {
         camera,
         seen,

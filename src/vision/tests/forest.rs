@@ -486,10 +486,12 @@ fn a_file_comes_back_and_damage_is_named() {
             newest: FOREST_VERSION
         }
     );
-    newer[8] = 1;
+    newer[8] = FOREST_VERSION as u8 - 1;
     assert_eq!(
         ForestModel::from_bytes(&newer).unwrap_err(),
-        ForestFileError::Older { version: 1 }
+        ForestFileError::Older {
+            version: FOREST_VERSION - 1
+        }
     );
     for length in (8..bytes.len()).step_by(97) {
         let error = ForestModel::from_bytes(&bytes[..length]).unwrap_err();

@@ -447,8 +447,7 @@ fn check_says_everything_and_exits_with_one() {
 #[test]
 fn wrong_usage_is_one_line_and_exit_two() {
     let folder = pictures();
-    let exports = Format::ALL
-        .into_iter()
+    let exports = Format::all()
         .filter(|format| format.exports())
         .map(Format::name);
     let unknown_format = format!(

@@ -8,6 +8,7 @@ use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
 use touchline::document::{
     Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, document_to_string,
 };
+use touchline::exchange::Format;
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
 use touchline::store::read;
@@ -486,4 +487,27 @@ fn pictures_of_unknown_cameras_get_one_each_from_their_lines() {
     let (_, found, _) = read(&folder.path().join("own.json")).unwrap();
     let worst = apart_px(&truth, &found);
     assert!(worst < 6.0, "{worst} px");
+}
+
+#[test]
+fn the_number_of_formats_is_stated_as_it_is() {
+    let exports = Format::all().filter(|format| format.exports());
+    let count = exports.count();
+    for file in [
+        "CHANGELOG.md",
+        "Cargo.toml",
+        "README.md",
+        "assets/desktop/touchline.metainfo.xml",
+        "assets/guide/export.md",
+    ] {
+        let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
+        let words: Vec<&str> = text.split_whitespace().collect();
+        for pair in words.windows(2) {
+            if let (Ok(stated), true) = (pair[0].parse::<usize>(), pair[1].starts_with("formats")) {
+                assert_eq!(stated, count, "{file}");
+            }
+        }
+    }
+    let help = touchline(Path::new("."), "export --help").stdout;
+    assert_eq!(help.matches("(an export loses: ").count(), count, "{help}");
 }

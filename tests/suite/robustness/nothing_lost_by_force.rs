@@ -90,7 +90,7 @@ fn assert_nothing_lost(folder: &Path, victim: &str, command: &str) {
 #[test]
 fn an_export_of_every_format_leaves_what_it_did_not_write() {
     let folder = drawn_match();
-    for format in Format::ALL.into_iter().filter(|format| format.exports()) {
+    for format in Format::all().filter(|format| format.exports()) {
         // Takes make folders of what is one file; one such format stands for all.
         let takes: &[&str] = if format == Format::Csv {
             &["", "--takes"]

@@ -394,12 +394,6 @@ impl Command {
         self.row().id
     }
 
-    /// The command with this name in the settings file.
-    #[must_use]
-    pub fn from_id(id: &str) -> Option<Self> {
-        ROWS.iter().find(|row| row.id == id).map(|row| row.command)
-    }
-
     /// The text in the menu.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -448,7 +442,6 @@ mod tests {
         assert_eq!(ids.len(), Command::all().count());
         for command in Command::all() {
             assert_eq!(command.row().command, command, "{command:?} has no row");
-            assert_eq!(Command::from_id(command.id()), Some(command));
             assert!(
                 command.about().ends_with('.') || command.about().ends_with(')'),
                 "{command:?}"

@@ -111,18 +111,21 @@ fn a_damaged_journal_is_kept_beside() {
     }
     drop(project);
     let journal = Location::find(&path).unwrap().journal();
-    let mut bytes = fs::read(&journal).unwrap();
-    let second_edit = bytes
-        .windows(7)
-        .position(|window| window == b"Click 1")
-        .unwrap();
-    bytes[second_edit] ^= 1;
-    fs::write(&journal, &bytes).unwrap();
-    let Opened {
-        document, recovery, ..
-    } = open(&path).unwrap();
-    assert_eq!((total_clicks(&document), recovery.edits.len()), (1, 1));
-    assert_eq!(fs::read(recovery.set_aside.unwrap()).unwrap(), bytes);
+    let whole = fs::read(&journal).unwrap();
+    for (damaged, name) in [(1, b"Click 1"), (2, b"Click 2")] {
+        let mut bytes = whole.clone();
+        let edit = bytes.windows(7).position(|window| window == name).unwrap();
+        bytes[edit] ^= 1;
+        fs::write(&journal, &bytes).unwrap();
+        let Opened {
+            document, recovery, ..
+        } = open(&path).unwrap();
+        assert_eq!(
+            (total_clicks(&document), recovery.edits.len()),
+            (damaged, damaged)
+        );
+        assert_eq!(fs::read(recovery.set_aside.unwrap()).unwrap(), bytes);
+    }
 }
 
 #[test]

@@ -113,12 +113,6 @@ impl<T: Copy> OneOrTwo<T> {
     pub fn iter(&self) -> impl Iterator<Item = T> + use<T> {
         std::iter::once(self.first).chain(self.second)
     }
-
-    /// Whether there are two.
-    #[must_use]
-    pub const fn is_two(&self) -> bool {
-        self.second.is_some()
-    }
 }
 
 /// Every (pan, tilt, focal length) for which two world points appear at two pixels, in ascending
@@ -551,7 +545,7 @@ mod tests {
         let (pixels, rays) = pixels_and_rays(1000.0, [[300.0, 0.0], [900.0, 30.0]]);
         let found = focal_from_two_rays(pixels, rays).unwrap();
         let focals: Vec<f64> = found.iter().collect();
-        assert!(found.is_two() && focals[0] < focals[1], "{found:?}");
+        assert!(focals.len() == 2 && focals[0] < focals[1], "{found:?}");
         for focal_px in focals {
             let [one, two] = pixels.map(|pixel| Vec3::new(pixel.x, pixel.y, focal_px));
             let subtended = angle_between_directions(&one, &two);

@@ -98,7 +98,7 @@ fn about_one_pair_of_forty_has_two_focal_lengths_and_both_are_kept() {
         else {
             continue;
         };
-        if roots.is_two() {
+        if roots.iter().count() == 2 {
             two += 1;
             let solution = solve_frame(&base, &clicks, &SolveContext::new(SIZE)).unwrap();
             assert!(

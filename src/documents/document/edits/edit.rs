@@ -1,7 +1,6 @@
 //! The changes between two states of a document, as the journal stores them: whole frames by their
 //! ids, cameras and fields.
 
-use super::old_edit::OldChange;
 use crate::document::text::write::OWN_KEYS;
 use crate::document::{
     Camera, Document, EditMismatch, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot,
@@ -27,8 +26,7 @@ pub struct Edit {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EditKind {
-    /// Not an undo step, or an edit in a journal of an earlier version without this information. No
-    /// step before it can be undone.
+    /// Not an undo step. No step before it can be undone.
     #[default]
     NoStep,
     /// An undo step with the edit's name.
@@ -92,9 +90,6 @@ pub enum Change {
         /// Unknown keys.
         extra: Extra,
     },
-    /// Frames by their positions, in a journal of an earlier version of the program.
-    #[serde(untagged)]
-    Old(OldChange),
 }
 
 impl Edit {
@@ -231,19 +226,14 @@ impl Change {
                 shots,
                 mut extra,
             } => {
-                // Journals of earlier versions store it among the unknown keys.
-                let among_unknown = extra
-                    .shift_remove("click_noise")
-                    .map(StoredClickNoise::from);
                 // No program writes such keys there; written back as unknown keys they would
                 // replace the document's own.
                 extra.retain(|key, _| !OWN_KEYS.contains(&key.as_str()));
                 document.conventions = conventions;
-                document.click_noise = click_noise.or(among_unknown);
+                document.click_noise = click_noise;
                 document.shots = shots;
                 document.extra = extra;
             }
-            Self::Old(old) => old.apply(document)?,
         }
         Ok(())
     }

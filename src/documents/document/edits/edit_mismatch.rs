@@ -49,12 +49,4 @@ pub enum EditMismatch {
         /// How many there are.
         frames: usize,
     },
-    /// In a journal of an earlier version: a position that the document does not have.
-    #[error("the edit concerns frame {index}, the document has {frames} frames")]
-    Position {
-        /// The position.
-        index: usize,
-        /// How many frames there are.
-        frames: usize,
-    },
 }

@@ -26,15 +26,6 @@ fn has_none(changes: &Shared<Vec<SuggestionChange>>) -> bool {
 }
 
 impl Step {
-    /// A step that concerns a frame.
-    #[must_use]
-    pub fn on_frame(name: impl Into<String>, frame: FrameId) -> Self {
-        Self {
-            frame: Some(frame),
-            ..Self::on_document(name)
-        }
-    }
-
     /// A step that concerns the document as a whole.
     #[must_use]
     pub fn on_document(name: impl Into<String>) -> Self {
@@ -303,7 +294,10 @@ mod tests {
     plain_values!(u8, i32);
 
     fn step(name: &str) -> Step {
-        Step::on_frame(name, "7".into())
+        Step {
+            frame: Some("7".into()),
+            ..Step::on_document(name)
+        }
     }
 
     #[test]

@@ -55,12 +55,6 @@ pub enum StoredClickNoise {
     Unreadable(serde_json::Value),
 }
 
-impl From<serde_json::Value> for StoredClickNoise {
-    fn from(value: serde_json::Value) -> Self {
-        ClickNoise::deserialize(&value).map_or(Self::Unreadable(value), Self::Own)
-    }
-}
-
 impl StoredClickNoise {
     /// Why it cannot be used; none if it can.
     #[must_use]

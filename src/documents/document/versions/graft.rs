@@ -7,7 +7,7 @@
 //! reported.
 
 use super::merge::show_suggestions;
-use crate::document::{Camera, Change, Document, Edit, Frame, FrameId, Merged, OldChange, Shared};
+use crate::document::{Camera, Change, Document, Edit, Frame, FrameId, Merged, Shared};
 use std::collections::BTreeMap;
 
 /// Puts the frames of edits into a document that is not their base. Frames that the edits removed
@@ -75,8 +75,8 @@ impl Places {
         self.by_name.entry(frame.name()).or_insert(place);
     }
 
-    /// The position of the frame with the same id, else of one with the same picture: journals of
-    /// earlier versions state no ids, and another program may have given the picture another one.
+    /// The position of the frame with the same id, else of one with the same picture, to which
+    /// another program may have given another id.
     fn find(&self, frame: &Frame) -> Option<usize> {
         let same_id = self.by_id.get(&frame.id).copied();
         same_id.or_else(|| self.by_name.get(&frame.name()).copied())
@@ -89,27 +89,18 @@ fn last_frames(edits: &[Edit]) -> Vec<&Shared<Frame>> {
         .iter()
         .flat_map(|edit| &edit.changes)
         .flat_map(|change| match change {
-            Change::Frame { frame, .. } | Change::Old(OldChange::Frame { frame, .. }) => {
-                std::slice::from_ref(frame)
-            }
-            Change::Insert { frames, .. }
-            | Change::Old(OldChange::Frames { insert: frames, .. }) => frames,
+            Change::Frame { frame, .. } => std::slice::from_ref(frame),
+            Change::Insert { frames, .. } => frames,
             Change::Remove(_)
             | Change::Order(_)
             | Change::Cameras(_)
             | Change::Field(_)
             | Change::Rest { .. } => &[],
         });
-    let mut places: BTreeMap<FrameId, usize> = BTreeMap::new();
+    let mut places: BTreeMap<&FrameId, usize> = BTreeMap::new();
     let mut last: Vec<&Shared<Frame>> = Vec::new();
     for frame in frames {
-        // A frame of an earlier version's journal has no id: its picture distinguishes it.
-        let id = if frame.id.is_missing() {
-            frame.id_of_picture()
-        } else {
-            frame.id.clone()
-        };
-        let place = *places.entry(id).or_insert(last.len());
+        let place = *places.entry(&frame.id).or_insert(last.len());
         if place == last.len() {
             last.push(frame);
         } else {
@@ -237,24 +228,6 @@ mod tests {
             (names_and_comments(&document), conflicts.len()),
             (["b ours", "z", "new"].map(str::to_owned).to_vec(), 0)
         );
-    }
-
-    #[test]
-    fn frames_without_ids_of_an_earlier_versions_journal_are_distinguished_by_their_pictures() {
-        let frame = |name: &str| {
-            let mut frame = Frame::from_image(name, "main".into(), SMALL);
-            frame.id = FrameId::default();
-            frame.comment = Some(" ours".to_owned());
-            frame
-        };
-        let change = |(index, name)| {
-            let frame = frame(name).into();
-            Change::Old(OldChange::Frame { index, frame })
-        };
-        let mut edit = Edit::between(&document(&[]), &document(&[]), "Old");
-        edit.changes = [(0, "a"), (1, "b")].map(change).to_vec();
-        let Merged { document, .. } = graft(&[edit], &document(&["b", "a"]));
-        assert_eq!(names_and_comments(&document), ["b ours", "a ours"]);
     }
 
     #[test]

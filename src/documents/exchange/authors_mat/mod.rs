@@ -35,9 +35,23 @@ pub use folder::{AuthorsFolder, read_authors_folder};
 pub use mat_file::MatError;
 pub use sequence::{AuthorsFrame, AuthorsSequence, read_authors_sequence};
 
+use crate::exchange::format::About;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
+
+/// The format.
+pub const ABOUT: About = About {
+    name: "authors-mat",
+    title: "the two-point method's MATLAB files",
+    conventions: "corner of the field, yards and metres, Rodrigues",
+    users: "the two-point method's authors",
+    loses: None,
+    file: None,
+    files: "MATLAB files (.mat)",
+    endings: &["mat"],
+    options: &[],
+};
 
 /// Why the authors' files cannot be read.
 #[derive(Debug, Error)]

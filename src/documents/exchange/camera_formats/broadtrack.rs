@@ -6,15 +6,16 @@
 //! drops entries with a `score` below 0.3. Source: `evs-broadcast/BroadTrack`, formats of its files
 //! only.
 
-use super::soccernet::{angles_deg, flip_point, flip_rotation, pitch_note, rotation_of};
-use crate::document::FrameStatus;
-use crate::exchange::cameras::camera_format::{
-    CameraFormat, WriteContext, file_name_of, has_ending,
+use super::soccernet::{
+    SOCCERNET_WORLD, angles_deg, flip_point, flip_rotation, pitch_note, rotation_of,
 };
+use crate::document::FrameStatus;
+use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, file_name_of};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::held::{parts, with};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
+use crate::exchange::format::About;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::{Node, parse, safe_path};
 use crate::exchange::syntax::values::coefficient;
@@ -130,6 +131,20 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
 }
 
 impl CameraFormat for BroadTrack {
+    fn about(&self) -> About {
+        About {
+            name: "broadtrack",
+            title: "BroadTrack cameras, one JSON file",
+            conventions: SOCCERNET_WORLD,
+            users: "BroadTrack, pipelines with cached calibrations",
+            loses: Some("an off-centre principal point, time, uncertainty"),
+            file: Some("broadtrack.json"),
+            files: "camera file (.json)",
+            endings: &["json"],
+            options: &[],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -166,14 +181,6 @@ impl CameraFormat for BroadTrack {
             "broadtrack.json",
             format!("{:#}\n", Value::Object(all)).into_bytes(),
         ))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "camera file (.json)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "json")
     }
 
     fn read(

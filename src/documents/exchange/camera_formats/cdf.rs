@@ -7,12 +7,12 @@
 //! must give them. Source: common-data-format-validator 0.1.1 (`schema/video.json`); arXiv
 //! 2505.15820.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::FrameCamera;
 use crate::exchange::cameras::held::{cannot_hold, parts};
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::Files;
-use crate::exchange::format::Format;
+use crate::exchange::format::{About, Format, FormatOption};
 use crate::exchange::options::ImportOptions;
 use serde_json::json;
 
@@ -36,6 +36,22 @@ fn require<T>(
 }
 
 impl CameraFormat for Cdf {
+    fn about(&self) -> About {
+        About {
+            name: "cdf",
+            title: "Common Data Format: the sheet of a video",
+            conventions: "touchline's world; the camera's position, m",
+            users: "the Common Data Format and its validator",
+            loses: Some(
+                "everything but the camera's position, the picture size and the frame rate",
+            ),
+            file: Some("video.json"),
+            files: "sheet (.json)",
+            endings: &[],
+            options: &[FormatOption::Recording],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -123,14 +139,6 @@ impl CameraFormat for Cdf {
             "video.json",
             format!("{sheet:#}\n").into_bytes(),
         ))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "sheet (.json)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "json")
     }
 
     fn read(

@@ -4,16 +4,14 @@
 //! (Nuke's default order ZXY). The last column is the *vertical* field of view in degrees. There is
 //! neither a size of picture nor a principal point, lens or rate.
 
-use crate::exchange::cameras::camera_format::{
-    CameraFormat, SequenceScope, WriteContext, has_ending,
-};
+use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{
     OTHER_SIZE, cannot_hold, note_several_cameras, parts, plain, with,
 };
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
-use crate::exchange::format::Format;
+use crate::exchange::format::{About, Format, FormatOption};
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::table::numbers;
 use crate::exchange::syntax::values::frame_number;
@@ -98,6 +96,20 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
 }
 
 impl CameraFormat for Chan {
+    fn about(&self) -> About {
+        About {
+            name: "chan",
+            title: "a Nuke camera track",
+            conventions: "y up, m, rotation order ZXY, vertical field of view in degrees",
+            users: "Nuke, Blender, Natron",
+            loses: Some("lens, principal point, size, rate, uncertainty"),
+            file: Some("camera.chan"),
+            files: "camera track (.chan)",
+            endings: &["chan"],
+            options: &[FormatOption::Track, FormatOption::Stage],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -157,14 +169,6 @@ impl CameraFormat for Chan {
             );
         }
         Ok(Files::one("camera.chan", text.into_bytes()))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "camera track (.chan)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "chan")
     }
 
     fn read(

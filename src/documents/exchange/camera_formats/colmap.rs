@@ -11,6 +11,7 @@ use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinho
 use crate::exchange::cameras::held::{parts, relative_name};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
+use crate::exchange::format::About;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::table::{number, numbers};
@@ -314,6 +315,20 @@ fn points_file(tracks: &BTreeMap<usize, Track>) -> String {
 }
 
 impl CameraFormat for Colmap {
+    fn about(&self) -> About {
+        About {
+            name: "colmap",
+            title: "COLMAP text: cameras, images, points3D",
+            conventions: "touchline's world → camera, quaternion; pixels from the corner; one camera per frame",
+            users: "COLMAP, pycolmap, NeRF, 3D Gaussian splats",
+            loses: Some("time, uncertainty"),
+            file: None,
+            files: "cameras.txt and images.txt",
+            endings: &["txt"],
+            options: &[],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -370,10 +385,6 @@ impl CameraFormat for Colmap {
         files.add(IMAGES, images);
         files.add(POINTS, points_file(&tracks));
         Ok(files)
-    }
-
-    fn file_description(&self) -> &'static str {
-        "cameras.txt and images.txt"
     }
 
     fn is_wanted(&self, name: &str) -> bool {

@@ -7,14 +7,13 @@
 //! `read_csv(f, float_precision="round_trip")`).
 
 use crate::document::{FrameStatus, SolutionSource};
-use crate::exchange::cameras::camera_format::{
-    CameraFormat, SequenceScope, WriteContext, has_ending, stem_of,
-};
+use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext, stem_of};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::ground_fit::fit_image_from_ground;
 use crate::exchange::cameras::held::{parts, relative_name};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
+use crate::exchange::format::{About, FormatOption};
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::table::{Table, TableRow, field_text, push_row};
@@ -251,6 +250,20 @@ fn side(row: TableRow<'_>, column: &str) -> Result<u32, Problem> {
 }
 
 impl CameraFormat for Csv {
+    fn about(&self) -> About {
+        About {
+            name: "csv",
+            title: "a table, one row per frame, with R, t and H",
+            conventions: "touchline's world; R is cam_from_world, H takes undistorted pixels to metres on the pitch",
+            users: "pandas, polars, spreadsheets, analysts",
+            loses: Some("clicks"),
+            file: Some("cameras.csv"),
+            files: "table (.csv)",
+            endings: &["csv"],
+            options: &[FormatOption::Track, FormatOption::Start],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -288,14 +301,6 @@ impl CameraFormat for Csv {
             }
         }
         Ok(Files::one("cameras.csv", text.into_bytes()))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "table (.csv)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "csv")
     }
 
     fn read(

@@ -5,11 +5,12 @@
 //! one's centre. Source: `deepsport-utilities`, `calib3d`.
 
 use super::soccernet::flip_rotation;
-use crate::exchange::cameras::camera_format::{CameraFormat, has_ending};
+use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::unreadable::read_frame_files;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, without_ending};
+use crate::exchange::format::About;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse};
 use crate::exchange::syntax::values::{refuse_further_coefficients, refuse_skewed_pixels};
@@ -60,12 +61,18 @@ fn matrix(node: &Node<'_>, key: &str) -> Result<Mat3, Problem> {
 }
 
 impl CameraFormat for DeepSport {
-    fn file_description(&self) -> &'static str {
-        "camera files (camcourt….json)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "json")
+    fn about(&self) -> About {
+        About {
+            name: "deepsport",
+            title: "DeepSport basketball cameras",
+            conventions: "far-left corner, z down, cm",
+            users: "DeepSport, calib3d",
+            loses: None,
+            file: None,
+            files: "camera files (camcourt….json)",
+            endings: &["json"],
+            options: &[],
+        }
     }
 
     fn read(

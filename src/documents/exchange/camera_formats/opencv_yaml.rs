@@ -4,11 +4,12 @@
 //! World and camera axes are ours, metres; pixels count from the first one's centre, so the
 //! principal point is ours − 0.5.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::unreadable::read_frame_files;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem, text};
+use crate::exchange::format::About;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::table::number;
 use crate::exchange::syntax::values::{
@@ -201,6 +202,20 @@ fn side(entries: &Entries, key: &str) -> Result<u32, Problem> {
 }
 
 impl CameraFormat for OpenCvYaml {
+    fn about(&self) -> About {
+        About {
+            name: "opencv",
+            title: "OpenCV FileStorage YAML, one file per frame",
+            conventions: "touchline's world → camera, rvec and tvec; pixel centres at whole numbers",
+            users: "OpenCV FileStorage, robotics",
+            loses: Some("time, uncertainty"),
+            file: None,
+            files: "camera files (.yml)",
+            endings: &["yml", "yaml"],
+            options: &[],
+        }
+    }
+
     fn write(
         &self,
         held: &[FrameCamera],
@@ -213,14 +228,6 @@ impl CameraFormat for OpenCvYaml {
             }
         }
         Ok(files)
-    }
-
-    fn file_description(&self) -> &'static str {
-        "camera files (.yml)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "yml") || has_ending(name, "yaml")
     }
 
     fn read(

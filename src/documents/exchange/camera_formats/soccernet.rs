@@ -12,6 +12,7 @@ use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem};
+use crate::exchange::format::About;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::{Node, parse};
 use crate::exchange::syntax::values::{refuse_further_coefficients, refuse_oblong_pixels};
@@ -23,6 +24,10 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3, pluralise};
 const PREFIX: &str = "camera_";
 /// The pitch of all tools of the challenge, m.
 pub const PITCH_M: [f64; 2] = [105.0, 68.0];
+
+/// The conventions of the challenge and of the programs around it.
+pub const SOCCERNET_WORLD: &str =
+    "x right, y toward the main camera, z down, m; angles ZXZ in degrees, tilt 0 looks down";
 
 /// Cameras as the challenge's files have them.
 pub struct SoccerNet;
@@ -248,6 +253,20 @@ fn frame_name(file: &str) -> &str {
 }
 
 impl CameraFormat for SoccerNet {
+    fn about(&self) -> About {
+        About {
+            name: "soccernet",
+            title: "SoccerNet camera files, one per frame",
+            conventions: SOCCERNET_WORLD,
+            users: "SoccerNet challenges, sn-calibration, tracklab, TVCalib, PnLCalib, sportlight",
+            loses: Some("size of the picture, time, uncertainty"),
+            file: None,
+            files: "camera files (camera_….json)",
+            endings: &["json"],
+            options: &[],
+        }
+    }
+
     fn size_source(&self) -> SizeSource {
         SizeSource::PrincipalPoint
     }
@@ -320,10 +339,6 @@ impl CameraFormat for SoccerNet {
         Ok(files)
     }
 
-    fn file_description(&self) -> &'static str {
-        "camera files (camera_….json)"
-    }
-
     fn is_wanted(&self, name: &str) -> bool {
         stem(name).starts_with(PREFIX) && has_ending(name, "json")
     }
@@ -338,16 +353,22 @@ impl CameraFormat for SoccerNet {
 }
 
 impl CameraFormat for PnlCalib {
+    fn about(&self) -> About {
+        About {
+            name: "pnlcalib",
+            title: "cameras of PnLCalib, NBJW or TVCalib",
+            conventions: SOCCERNET_WORLD,
+            users: "PnLCalib, No Bells Just Whistles, TVCalib",
+            loses: None,
+            file: None,
+            files: "camera files (.json)",
+            endings: &["json"],
+            options: &[],
+        }
+    }
+
     fn size_source(&self) -> SizeSource {
         SizeSource::PrincipalPoint
-    }
-
-    fn file_description(&self) -> &'static str {
-        "camera files (.json)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "json")
     }
 
     /// A file for each frame, or one with a sample for each frame as `TVCalib` writes it.

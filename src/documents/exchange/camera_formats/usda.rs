@@ -7,14 +7,13 @@
 //! across it. Distortion cannot be represented. Source: `OpenUSD`, `UsdGeomCamera`.
 
 use super::chan::{looking_back, y_up};
-use crate::exchange::cameras::camera_format::{
-    CameraFormat, SequenceScope, WriteContext, has_ending,
-};
+use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, with};
 use crate::exchange::cameras::into_document::FreeNames;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
+use crate::exchange::format::{About, FormatOption};
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::table::{number, numbers};
 use crate::exchange::syntax::values::{frame_number, side_px};
@@ -254,6 +253,24 @@ impl ReadTake {
 }
 
 impl CameraFormat for Usda {
+    fn about(&self) -> About {
+        About {
+            name: "usda",
+            title: "a USD stage with an animated camera",
+            conventions: "y up, centimetres, mm; one stage frame per video frame; a gap starts a new camera",
+            users: "Blender, Houdini, Unreal, usdview",
+            loses: Some("lens, size of the picture, uncertainty"),
+            file: Some("camera.usda"),
+            files: "stage (.usda)",
+            endings: &[],
+            options: &[
+                FormatOption::Track,
+                FormatOption::Sensor,
+                FormatOption::Stage,
+            ],
+        }
+    }
+
     fn resolution_px(&self, _held: &FrameCamera) -> f64 {
         RESOLUTION_PX
     }
@@ -338,14 +355,6 @@ impl CameraFormat for Usda {
         }
         text.push_str("}\n");
         Ok(Files::one("camera.usda", text.into_bytes()))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "stage (.usda)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "usda")
     }
 
     fn read(

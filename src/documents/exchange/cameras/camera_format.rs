@@ -6,6 +6,7 @@ use super::picture_size::SizeSource;
 use crate::document::{Document, FieldSpec};
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, base_name};
+use crate::exchange::format::About;
 use crate::exchange::options::{ExportOptions, ImportOptions};
 use crate::exchange::rate::Rate;
 use crate::exchange::timecode::Timecode;
@@ -119,11 +120,15 @@ pub trait CameraFormat: Sync {
         Ok(Files::default())
     }
 
-    /// The description of its files in errors: "camera files".
-    fn file_description(&self) -> &'static str;
+    /// What it is.
+    fn about(&self) -> About;
 
-    /// Whether a file of a folder is one of its files.
-    fn is_wanted(&self, name: &str) -> bool;
+    /// Whether a file of a folder is one of its files: by the ending, unless the format says
+    /// otherwise.
+    fn is_wanted(&self, name: &str) -> bool {
+        let mut endings = self.about().endings.iter();
+        endings.any(|ending| has_ending(name, ending))
+    }
 
     /// The frames of its files.
     ///

@@ -1,8 +1,10 @@
 //! Frames with clicks as exchange formats store them, and the interface of click formats.
 
 use crate::document::Click;
+use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
+use crate::exchange::format::About;
 use crate::exchange::options::{ExportOptions, ImportOptions, LabelMap};
 use crate::exchange::syntax::values::shorten;
 use touchline_core::field::FieldModel;
@@ -116,11 +118,15 @@ pub trait ClickFormat: Sync {
         Ok(Files::default())
     }
 
-    /// The description of its files in errors.
-    fn file_description(&self) -> &'static str;
+    /// What it is.
+    fn about(&self) -> About;
 
-    /// Whether a file of a folder is one of its files.
-    fn is_wanted(&self, name: &str) -> bool;
+    /// Whether a file of a folder is one of its files: by the ending, unless the format says
+    /// otherwise.
+    fn is_wanted(&self, name: &str) -> bool {
+        let mut endings = self.about().endings.iter();
+        endings.any(|ending| has_ending(name, ending))
+    }
 
     /// The frames of its files.
     ///

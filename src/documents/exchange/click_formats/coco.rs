@@ -7,9 +7,9 @@
 use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
 use super::labels::keypoints;
 use crate::document::{Click, Target};
-use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
+use crate::exchange::format::{About, FormatOption};
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Value, json};
@@ -199,6 +199,20 @@ fn unknown_id(what: &'static str, id: i64) -> Problem {
 }
 
 impl ClickFormat for Coco {
+    fn about(&self) -> About {
+        About {
+            name: "coco",
+            title: "COCO keypoints",
+            conventions: "pixel centres at whole numbers (touchline's − 0.5)",
+            users: "mmpose, Detectron2, FiftyOne, pycocotools",
+            loses: Some("points on lines, cameras"),
+            file: Some("keypoints.json"),
+            files: "keypoints (.json)",
+            endings: &["json"],
+            options: &[FormatOption::Roboflow],
+        }
+    }
+
     fn holds(&self, click: &Click, context: &ClickContext<'_>) -> bool {
         is_keypoint(click, context)
     }
@@ -232,14 +246,6 @@ impl ClickFormat for Coco {
             "keypoints.json",
             format!("{all}\n").into_bytes(),
         ))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "keypoints (.json)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "json")
     }
 
     fn read(

@@ -6,9 +6,9 @@
 //! are rejected.
 
 use super::clicked_frame::{ClickFormat, LabelledFrame, Mark, Sizes};
-use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
+use crate::exchange::format::About;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::table::number;
@@ -279,12 +279,18 @@ fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>
 }
 
 impl ClickFormat for Cvat {
-    fn file_description(&self) -> &'static str {
-        "annotations.xml"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "xml")
+    fn about(&self) -> About {
+        About {
+            name: "cvat",
+            title: "CVAT for images, XML 1.1",
+            conventions: "pixels from the corner",
+            users: "CVAT",
+            loses: None,
+            file: Some("annotations.xml"),
+            files: "annotations.xml",
+            endings: &["xml"],
+            options: &[],
+        }
     }
 
     fn read(

@@ -7,9 +7,9 @@
 use super::clicked_frame::{
     ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
 };
-use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, base_name};
+use crate::exchange::format::About;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse, safe_path};
 use serde_json::{Value, json};
@@ -201,6 +201,20 @@ fn read_task(
 }
 
 impl ClickFormat for LabelStudio {
+    fn about(&self) -> About {
+        About {
+            name: "label-studio",
+            title: "Label Studio keypoints",
+            conventions: "percent of width and height",
+            users: "Label Studio",
+            loses: Some("check points, cameras"),
+            file: Some("label-studio.json"),
+            files: "Label Studio export (.json)",
+            endings: &["json"],
+            options: &[],
+        }
+    }
+
     fn write(
         &self,
         frames: &[ClickedFrame],
@@ -215,14 +229,6 @@ impl ClickFormat for LabelStudio {
             "tasks.json",
             format!("{:#}\n", Value::Array(tasks)).into_bytes(),
         ))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "Label Studio export (.json)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "json")
     }
 
     fn read(

@@ -7,9 +7,9 @@
 use super::clicked_frame::{
     ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_or_option,
 };
-use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, folder_prefix, without_ending};
+use crate::exchange::format::About;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Value, json};
@@ -99,6 +99,20 @@ fn read_file(
 }
 
 impl ClickFormat for Labelme {
+    fn about(&self) -> About {
+        About {
+            name: "labelme",
+            title: "labelme, one file per image",
+            conventions: "pixels from the corner",
+            users: "labelme, AnyLabeling",
+            loses: Some("check points, cameras"),
+            file: None,
+            files: "labelme files (.json)",
+            endings: &["json"],
+            options: &[],
+        }
+    }
+
     fn name_of(&self, frame: &ClickedFrame) -> String {
         without_ending(&frame.image).to_owned()
     }
@@ -114,14 +128,6 @@ impl ClickFormat for Labelme {
             files.add(name, format!("{:#}\n", to_json(frame)));
         }
         Ok(files)
-    }
-
-    fn file_description(&self) -> &'static str {
-        "labelme files (.json)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "json")
     }
 
     fn read(

@@ -15,6 +15,7 @@ use crate::document::{Click, Target};
 use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, base_name, without_ending};
+use crate::exchange::format::{About, FormatOption};
 use crate::exchange::options::{ImportOptions, LabelMap};
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Map, Value, json};
@@ -122,6 +123,20 @@ fn share_of_side(coordinate: &Node<'_>) -> Result<f64, Problem> {
 }
 
 impl ClickFormat for SoccerNetLines {
+    fn about(&self) -> About {
+        About {
+            name: "soccernet-lines",
+            title: "SoccerNet line annotations, one file per frame",
+            conventions: "points as fractions of width and height, by class of line",
+            users: "SoccerNet calibration, game state (--variant gamestate)",
+            loses: Some("landmarks, cameras; corner arcs have no class"),
+            file: None,
+            files: "line annotations (.json)",
+            endings: &["json"],
+            options: &[FormatOption::GameState],
+        }
+    }
+
     fn holds(&self, click: &Click, _context: &ClickContext<'_>) -> bool {
         class_of(click).is_some()
     }
@@ -147,10 +162,6 @@ impl ClickFormat for SoccerNetLines {
             );
         }
         Ok(files)
-    }
-
-    fn file_description(&self) -> &'static str {
-        "line annotations (.json)"
     }
 
     fn is_wanted(&self, name: &str) -> bool {

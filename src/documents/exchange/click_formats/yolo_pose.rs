@@ -15,7 +15,7 @@ use crate::document::Click;
 use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, base_name, text, without_ending};
-use crate::exchange::format::Format;
+use crate::exchange::format::{About, Format, FormatOption};
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::table::numbers;
 use std::fmt::Write as _;
@@ -181,6 +181,20 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
 }
 
 impl ClickFormat for YoloPose {
+    fn about(&self) -> About {
+        About {
+            name: "yolo-pose",
+            title: "keypoints for Ultralytics' pose models",
+            conventions: "points as fractions of width and height; one box per picture",
+            users: "Ultralytics pose models, Roboflow",
+            loses: Some("points on lines, points outside of the picture, cameras"),
+            file: None,
+            files: "labels (labels/….txt)",
+            endings: &["txt", "yaml"],
+            options: &[FormatOption::Roboflow],
+        }
+    }
+
     fn holds(&self, click: &Click, context: &ClickContext<'_>) -> bool {
         is_keypoint(click, context)
     }
@@ -224,10 +238,6 @@ impl ClickFormat for YoloPose {
             );
         }
         Ok(files)
-    }
-
-    fn file_description(&self) -> &'static str {
-        "labels (labels/….txt)"
     }
 
     fn is_wanted(&self, name: &str) -> bool {

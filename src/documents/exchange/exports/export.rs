@@ -11,7 +11,7 @@ use crate::exchange::error::ExchangeError;
 use crate::exchange::files::Files;
 use crate::exchange::format::Format;
 use crate::exchange::options::{ExportOptions, FrameChoice, Gaps};
-use crate::exchange::registry::{camera_format, click_format};
+use crate::exchange::registry::{Codec, codec};
 
 /// The document in a foreign format, verified by reading it back. Nothing is written to the disk.
 ///
@@ -49,29 +49,27 @@ fn export_to_format(
     format: Format,
     options: &ExportOptions,
 ) -> Result<Exported, ExchangeError> {
-    if let Some(camera_format) = camera_format(format) {
-        return match options.gaps {
-            Gaps::Keep => export_cameras(at, format, camera_format, options),
-            Gaps::Interpolate(most) => {
-                let (filled, note) = interpolate_gaps(at.document, &options.frames, most);
-                // All of its frames were chosen, or interpolated between chosen ones.
-                let options = ExportOptions {
-                    frames: FrameChoice::everything(),
-                    ..options.clone()
-                };
-                let mut exported =
-                    export_cameras(filled.at(at.folder), format, camera_format, &options)?;
-                exported.notes.extend(note);
-                Ok(exported)
-            }
-            Gaps::Takes => in_takes(at, &options.frames, &|at| {
-                export_cameras(at, format, camera_format, options)
-            }),
-        };
-    }
-    match click_format(format) {
-        Some(click_format) => export_clicks(at, format, click_format, options),
-        None => dataset(at, options),
+    let codec = match codec(format) {
+        Codec::Cameras(codec) => codec,
+        Codec::Clicks(codec) => return export_clicks(at, format, codec, options),
+        Codec::Documents(_) => return dataset(at, options),
+    };
+    match options.gaps {
+        Gaps::Keep => export_cameras(at, format, codec, options),
+        Gaps::Interpolate(most) => {
+            let (filled, note) = interpolate_gaps(at.document, &options.frames, most);
+            // All of its frames were chosen, or interpolated between chosen ones.
+            let options = ExportOptions {
+                frames: FrameChoice::everything(),
+                ..options.clone()
+            };
+            let mut exported = export_cameras(filled.at(at.folder), format, codec, &options)?;
+            exported.notes.extend(note);
+            Ok(exported)
+        }
+        Gaps::Takes => in_takes(at, &options.frames, &|at| {
+            export_cameras(at, format, codec, options)
+        }),
     }
 }
 

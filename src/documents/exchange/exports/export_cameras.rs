@@ -4,7 +4,7 @@
 use super::choose::{NOT_SOLVED, is_chosen, nothing, refuse_same_names};
 use super::exported::Exported;
 use super::loss::{crown_off_px, farthest_landmark, loss_between};
-use super::stage::{in_stage, in_world, takes_stage};
+use super::stage::{in_stage, in_world};
 use crate::document::{Camera, Click, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
@@ -13,7 +13,7 @@ use crate::exchange::cameras::into_document::camera_of;
 use crate::exchange::cameras::picture_size::has_same_proportions;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::Files;
-use crate::exchange::format::Format;
+use crate::exchange::format::{Format, FormatOption};
 use crate::exchange::options::ExportOptions;
 use crate::exchange::rate::Rate;
 use std::collections::BTreeMap;
@@ -228,7 +228,9 @@ pub fn export_cameras(
         .stage
         .clone()
         .or_else(|| common_value(document, &chosen, |camera| camera.stage.clone()));
-    let stage = wanted.as_ref().filter(|_| takes_stage(format));
+    let stage = wanted
+        .as_ref()
+        .filter(|_| format.takes(FormatOption::Stage));
     let files = match stage {
         Some(stage) => {
             let staged: Vec<FrameCamera> =

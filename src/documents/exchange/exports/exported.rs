@@ -34,7 +34,7 @@ pub struct Exported {
 impl Exported {
     /// Whether it is written as a folder.
     #[must_use]
-    pub const fn is_folder(&self) -> bool {
+    pub fn is_folder(&self) -> bool {
         self.in_takes || self.format.is_folder()
     }
 

@@ -3,16 +3,7 @@
 
 use crate::document::Stage;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use crate::exchange::format::Format;
 use touchline_core::geometry::{Mat3, Vec3};
-
-/// Whether a format is a camera track that studios use in their stage's axes.
-pub const fn takes_stage(format: Format) -> bool {
-    matches!(
-        format,
-        Format::OpenTrackIo | Format::FreeD | Format::FreeDCsv | Format::Usda | Format::Chan
-    )
-}
 
 /// The axes of a stage in `world`, as columns: x to its right, y ahead, z up.
 fn world_from_stage(stage: &Stage) -> Mat3 {

@@ -9,7 +9,7 @@ use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, no_files};
 use crate::exchange::format::Format;
 use crate::exchange::options::ImportOptions;
-use crate::exchange::registry::{camera_format, click_format};
+use crate::exchange::registry::{Codec, codec};
 use std::path::Path;
 
 /// The size of the authors' field where there is no model of it, yards.
@@ -39,18 +39,15 @@ pub fn import(
         path.parent().unwrap_or(path)
     };
     let folder = resolve_path(folder);
-    if let Some(camera_format) = camera_format(format) {
-        return import_cameras(path, &folder, format, camera_format, options);
-    }
-    if let Some(click_format) = click_format(format) {
-        return import_clicks(path, &folder, format, click_format, options);
-    }
-    // What is left is the authors' files, which have clips, masks and a field that no other format
-    // has and become a document directly, and the document itself.
-    let document = if format == Format::AuthorsMat {
-        read_authors_folder(path, AUTHORS_FIELD_YD)?.document
-    } else {
-        read_document(path)?
+    let document = match codec(format) {
+        Codec::Cameras(codec) => return import_cameras(path, &folder, format, codec, options),
+        Codec::Clicks(codec) => return import_clicks(path, &folder, format, codec, options),
+        // The authors' files have clips, masks and a field that no other format has and become a
+        // document directly.
+        Codec::Documents(_) if format == Format::AuthorsMat => {
+            read_authors_folder(path, AUTHORS_FIELD_YD)?.document
+        }
+        Codec::Documents(_) => read_document(path)?,
     };
     Ok(Imported {
         document,

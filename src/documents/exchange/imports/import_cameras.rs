@@ -32,7 +32,7 @@ pub fn import_cameras(
     let files = Files::read_some(
         path,
         &|name| camera_format.is_wanted(name),
-        camera_format.file_description(),
+        camera_format.about().files,
     )?;
     // Formats that state no size read pixels with that of the options, or of the video to which the
     // frames may be attached; which one a frame gets at last is decided below.

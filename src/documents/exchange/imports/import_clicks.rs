@@ -33,7 +33,7 @@ pub fn import_clicks(
     let files = Files::read_some(
         path,
         &|name| click_format.is_wanted(name),
-        click_format.file_description(),
+        click_format.about().files,
     )?;
     let images = options.images_folder(folder);
     let options = &options.with_any_size();

@@ -8,7 +8,7 @@
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, base_name, text};
 use crate::exchange::format::Format;
-use crate::exchange::registry::{camera_format, click_format};
+use crate::exchange::registry::{Codec, codec};
 use crate::exchange::syntax::node::parse;
 use crate::exchange::syntax::table::{Table, numbers};
 use serde_json::Value;
@@ -86,31 +86,17 @@ fn ending_of(name: &str) -> String {
 
 /// Whether some format has files of this ending.
 fn is_ending_of_format(ending: &str) -> bool {
-    matches!(
-        ending,
-        "json"
-            | "jsonl"
-            | "csv"
-            | "yml"
-            | "yaml"
-            | "npy"
-            | "npz"
-            | "txt"
-            | "xml"
-            | "mat"
-            | "chan"
-            | "freed"
-            | "bin"
-            | "homographymatrix"
-    )
+    let mut endings = Format::all().flat_map(|format| format.about().endings);
+    endings.any(|known| known.eq_ignore_ascii_case(ending))
 }
 
 /// Whether the import of a folder in a format reads a file of this name.
 fn is_read_from_folder(format: Format, name: &str) -> bool {
-    if let Some(format) = camera_format(format) {
-        return format.is_wanted(name);
+    match codec(format) {
+        Codec::Cameras(codec) => codec.is_wanted(name),
+        Codec::Clicks(codec) => codec.is_wanted(name),
+        Codec::Documents(_) => true,
     }
-    click_format(format).is_none_or(|format| format.is_wanted(name))
 }
 
 /// The format of a file; none where it is damaged or of no known format.
@@ -253,7 +239,7 @@ mod tests {
 
     #[test]
     fn what_this_program_writes_is_recognized() {
-        for format in Format::ALL {
+        for format in Format::all() {
             if !format.exports() || !format.imports() {
                 continue;
             }

@@ -41,7 +41,7 @@ pub(super) struct Contents {
 pub(super) enum Damage {
     /// No damage.
     None,
-    /// There are lines after the unreadable one.
+    /// A whole line cannot be read.
     Unreadable,
     /// An edit does not apply to the document.
     Misfit,
@@ -73,14 +73,9 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
     let content = JournalContent::parse(&bytes);
     let (whole_bytes, lost_bytes) = (content.whole_bytes, content.lost_bytes);
     let journal = content.may_hold_edits().then(|| hash_of(&bytes));
-    // A newline with bytes after it, inside the unreadable part, means damage. Without one, the
-    // last line was cut off by a crash.
-    let lost = &bytes[whole_bytes as usize..];
-    let goes_on = lost
-        .iter()
-        .position(|byte| *byte == b'\n')
-        .is_some_and(|end| end + 1 < lost.len());
-    let mut damage = if goes_on {
+    // A whole line that cannot be read is damaged, or of another version of the program. A line
+    // without its end was cut off by a crash.
+    let mut damage = if bytes[whole_bytes as usize..].contains(&b'\n') {
         Damage::Unreadable
     } else {
         Damage::None

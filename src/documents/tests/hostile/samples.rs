@@ -26,7 +26,7 @@ pub struct Sample {
 
 /// Every format that can be imported.
 pub fn formats() -> impl Iterator<Item = Format> {
-    Format::ALL.into_iter().filter(|format| format.imports())
+    Format::all().filter(|format| format.imports())
 }
 
 impl Sample {

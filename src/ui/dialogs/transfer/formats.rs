@@ -13,7 +13,7 @@ use touchline_application::app::transfer::{
 };
 use touchline_application::app::{Action, sentence};
 use touchline_core::geometry::pluralise;
-use touchline_documents::exchange::{About, Format, JoinedImport, JoinedPair};
+use touchline_documents::exchange::{Format, JoinedImport, JoinedPair};
 
 /// Width of the list of formats, points.
 const LIST: f32 = 210.0;
@@ -85,11 +85,11 @@ fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format>
             .id_salt("formats")
             .auto_shrink(false)
             .show(ui, |ui| {
-                for format in Format::ALL.into_iter().filter(|format| goes(*format)) {
+                for format in Format::all().filter(|format| goes(*format)) {
                     let button = Button::selectable(format == chosen, format.name());
                     let button = ui.add_sized(vec2(LIST - 16.0, 20.0), button.truncate());
-                    if button.on_hover_text(sentence(format.title())).clicked() && format != chosen
-                    {
+                    let title = sentence(format.about().title);
+                    if button.on_hover_text(title).clicked() && format != chosen {
                         clicked = Some(format);
                     }
                 }
@@ -101,12 +101,12 @@ fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format>
 /// Describes a format: conventions, programs that read it, what it cannot express.
 fn about(ui: &mut Ui, format: Format) {
     let palette = ui.palette();
-    let About { conventions, users } = format.about();
-    ui.add(egui::Label::new(RichText::new(sentence(format.title())).color(palette.strong)).wrap());
-    fact(ui, "Conventions", &in_dialog(conventions));
-    fact(ui, "Who reads it", &in_dialog(users));
-    if format.exports() {
-        fact(ui, "Does not hold", format.loses());
+    let about = format.about();
+    ui.add(egui::Label::new(RichText::new(sentence(about.title)).color(palette.strong)).wrap());
+    fact(ui, "Conventions", &in_dialog(about.conventions));
+    fact(ui, "Who reads it", &in_dialog(about.users));
+    if let Some(loses) = about.loses {
+        fact(ui, "Does not hold", loses);
     }
 }
 

@@ -4,8 +4,8 @@ use super::typed::Typed;
 use egui::{ComboBox, DragValue, Ui};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::exchange::{
-    ExportOptions, Format, Gaps, ImportOptions, KeypointNames, LabelMap, PointSource, Rate,
-    Recording, Timecode, Zoom,
+    ExportOptions, Format, FormatOption, Gaps, ImportOptions, KeypointNames, LabelMap, PointSource,
+    Rate, Recording, Timecode, Zoom,
 };
 
 /// The pages, for the texts that are typed on them.
@@ -24,77 +24,63 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
             "Cameras are rescaled to pictures of this size; SoccerNet's submissions want 960 × 540.",
         );
     }
-    match format {
-        // Formats of points: which points, and under which names.
-        Format::SoccerNetLines
-        | Format::Coco
-        | Format::YoloPose
-        | Format::LabelStudio
-        | Format::Labelme => {
-            ui.horizontal(|ui| {
-                let mut projected = options.points == PointSource::Projected;
-                let tip = "Points where the camera shows the landmarks, not where people clicked.";
-                ui.checkbox(&mut projected, "where the camera shows them")
-                    .on_hover_text(tip);
-                options.points = if projected {
-                    PointSource::Projected
-                } else {
-                    PointSource::Clicked
-                };
-                if matches!(format, Format::Coco | Format::YoloPose) {
-                    let mut roboflow = options.names == KeypointNames::Roboflow32;
-                    ui.checkbox(&mut roboflow, "names of Roboflow's 32 points")
-                        .on_hover_text("Other landmarks are left out.");
-                    options.names = if roboflow {
-                        KeypointNames::Roboflow32
-                    } else {
-                        KeypointNames::Touchline
-                    };
-                }
-                let tip = "Points outside their picture are written too.";
-                ui.checkbox(&mut options.keep_outside, "those outside as well")
-                    .on_hover_text(tip);
-                if format == Format::SoccerNetLines {
-                    ui.checkbox(&mut options.game_state, "game state")
-                        .on_hover_text("Class names without the trailing space.");
-                }
-            });
-        }
-        // A homography has no lens, so it fits the picture as it is only roughly.
-        Format::Wc14 | Format::TsWorldCup | Format::Homography => {
-            let tip = "Homographies of pictures whose lens distortion has been taken out.";
-            ui.checkbox(&mut options.undistorted, "of undistorted pictures")
+    let takes = |option| format.takes(option);
+    // Points: which, and under which names.
+    if format.is_of_points() {
+        ui.horizontal(|ui| {
+            let mut projected = options.points == PointSource::Projected;
+            let tip = "Points where the camera shows the landmarks, not where people clicked.";
+            ui.checkbox(&mut projected, "where the camera shows them")
                 .on_hover_text(tip);
-        }
-        Format::Cdf => {
-            recording(ui, &mut options.recording);
-            ui.horizontal(|ui| rate(ui, &mut options.rate));
-        }
-        // Tracks over time.
-        Format::Csv
-        | Format::Usda
-        | Format::OpenTrackIo
-        | Format::FreeD
-        | Format::FreeDCsv
-        | Format::Chan => {
-            ui.horizontal(|ui| gaps(ui, &mut options.gaps));
-            ui.horizontal(|ui| {
-                rate(ui, &mut options.rate);
-                if matches!(format, Format::Usda | Format::OpenTrackIo | Format::FreeD) {
-                    sensor(ui, EXPORT, &mut options.sensor_width_mm);
-                }
-            });
-            if matches!(
-                format,
-                Format::OpenTrackIo | Format::FreeD | Format::FreeDCsv | Format::Csv
-            ) {
-                ui.horizontal(|ui| start(ui, &mut options.start));
+            options.points = if projected {
+                PointSource::Projected
+            } else {
+                PointSource::Clicked
+            };
+            if takes(FormatOption::Roboflow) {
+                let mut roboflow = options.names == KeypointNames::Roboflow32;
+                ui.checkbox(&mut roboflow, "names of Roboflow's 32 points")
+                    .on_hover_text("Other landmarks are left out.");
+                options.names = if roboflow {
+                    KeypointNames::Roboflow32
+                } else {
+                    KeypointNames::Touchline
+                };
             }
-            if matches!(format, Format::FreeD | Format::FreeDCsv) {
-                ui.horizontal(|ui| zoom(ui, &mut options.zoom));
+            let tip = "Points outside their picture are written too.";
+            ui.checkbox(&mut options.keep_outside, "those outside as well")
+                .on_hover_text(tip);
+            if takes(FormatOption::GameState) {
+                ui.checkbox(&mut options.game_state, "game state")
+                    .on_hover_text("Class names without the trailing space.");
             }
-        }
-        _ => {}
+        });
+    }
+    // A homography has no lens, so it fits the picture as it is only roughly.
+    if takes(FormatOption::Undistorted) {
+        let tip = "Homographies of pictures whose lens distortion has been taken out.";
+        ui.checkbox(&mut options.undistorted, "of undistorted pictures")
+            .on_hover_text(tip);
+    }
+    if takes(FormatOption::Recording) {
+        recording(ui, &mut options.recording);
+    }
+    if takes(FormatOption::Track) {
+        ui.horizontal(|ui| gaps(ui, &mut options.gaps));
+    }
+    if takes(FormatOption::Track) || takes(FormatOption::Recording) {
+        ui.horizontal(|ui| {
+            rate(ui, &mut options.rate);
+            if takes(FormatOption::Sensor) {
+                sensor(ui, EXPORT, &mut options.sensor_width_mm);
+            }
+        });
+    }
+    if takes(FormatOption::Start) {
+        ui.horizontal(|ui| start(ui, &mut options.start));
+    }
+    if takes(FormatOption::Zoom) {
+        ui.horizontal(|ui| zoom(ui, &mut options.zoom));
     }
 }
 
@@ -154,7 +140,7 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
         "Of pictures that are not here, where the files do not say it.",
     );
     // FreeD states zoom as a raw number, so its meaning and the sensor are needed.
-    if matches!(format, Format::FreeD | Format::FreeDCsv) {
+    if format.takes(FormatOption::Zoom) {
         ui.horizontal(|ui| {
             let mut chosen = options.zoom.clone().unwrap_or_default();
             zoom(ui, &mut chosen);

@@ -228,7 +228,8 @@ mod tests {
         let joined = &preview.joined.document;
         assert_eq!(joined.cameras.len(), 1);
         assert_eq!(joined.cameras[0].field, None, "that of the document");
-        let shown = joined.at(project.path()).model_of_frame(&joined.frames[0]);
+        let spec = joined.field_of(&joined.frames[0]);
+        let shown = joined.at(project.path()).model_of(spec);
         assert!(shown.is_ok(), "{shown:?}");
     }
 }

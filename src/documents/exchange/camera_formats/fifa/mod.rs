@@ -18,15 +18,14 @@ mod arrays;
 mod lenses;
 
 use crate::document::{Document, FieldSpec};
-use crate::exchange::cameras::camera_format::{
-    CameraFormat, SequenceScope, WriteContext, has_ending,
-};
+use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::{note_several_cameras, parts};
 use crate::exchange::cameras::into_document::{Exactness, View};
 use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem};
+use crate::exchange::format::About;
 use crate::exchange::options::{ImportOptions, Rotations};
 use crate::exchange::syntax::npz::{Npz, archive_to_bytes};
 use arrays::{Sequence, arrays_of};
@@ -49,6 +48,20 @@ fn name_of(video: &str, index: usize) -> String {
 }
 
 impl CameraFormat for Fifa {
+    fn about(&self) -> About {
+        About {
+            name: "fifa",
+            title: "FIFA Skeletal Tracking cameras, one .npz per video",
+            conventions: "touchline's world → camera, R and t; pixel centres at whole numbers; a lens per frame",
+            users: "FIFA Skeletal Tracking tasks, NumPy",
+            loses: Some("size of the picture, numbers and times of frames, uncertainty"),
+            file: Some("cameras.npz"),
+            files: "archives of arrays (.npz)",
+            endings: &["npz"],
+            options: &[],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -116,14 +129,6 @@ impl CameraFormat for Fifa {
             &format!("{STEM}.npz"),
             archive_to_bytes(&arrays_of(held)),
         ))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "archives of arrays (.npz)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "npz")
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {

@@ -2,13 +2,11 @@
 
 use super::sample::{CAMERA, Sample};
 use super::{Reading, hold, notes, samples, second_camera_note};
-use crate::exchange::cameras::camera_format::{
-    CameraFormat, SequenceScope, WriteContext, has_ending,
-};
+use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
-use crate::exchange::format::Format;
+use crate::exchange::format::{About, Format, FormatOption};
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::table::{Table, TableRow, field_text, push_row};
 use std::collections::BTreeSet;
@@ -34,6 +32,25 @@ const COLUMNS: [&str; 12] = [
 ];
 
 impl CameraFormat for FreeDCsv {
+    fn about(&self) -> About {
+        About {
+            name: "freed-csv",
+            title: "FreeD data as a table, with times",
+            conventions: "as FreeD, in degrees and mm, with times",
+            users: "spreadsheets, FreeD players",
+            loses: Some("lens, principal point, size; whole zoom values"),
+            file: Some("camera.csv"),
+            files: "table (.csv)",
+            endings: &["csv"],
+            options: &[
+                FormatOption::Track,
+                FormatOption::Start,
+                FormatOption::Zoom,
+                FormatOption::Stage,
+            ],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -82,14 +99,6 @@ impl CameraFormat for FreeDCsv {
             push_row(&row, &mut text);
         }
         Ok(Files::one("camera.csv", text.into_bytes()))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "table (.csv)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "csv")
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {

@@ -3,14 +3,14 @@
 use super::sample::{PACKET, Sample};
 use super::{Reading, hold, notes, samples, second_camera_note};
 use crate::exchange::cameras::camera_format::{
-    CameraFormat, EXACT_PX, SequenceScope, WriteContext, has_ending,
+    CameraFormat, EXACT_PX, SequenceScope, WriteContext,
 };
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::{cannot_hold, note_lost_gaps};
 use crate::exchange::cameras::into_document::Exactness;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, refuse_archive};
-use crate::exchange::format::Format;
+use crate::exchange::format::{About, Format, FormatOption};
 use crate::exchange::options::ImportOptions;
 
 /// Packets.
@@ -20,6 +20,28 @@ pub struct FreeD;
 const STEP_RAD: f64 = 8e-6;
 
 impl CameraFormat for FreeD {
+    fn about(&self) -> About {
+        About {
+            name: "freed",
+            title: "FreeD D1 packets, back to back",
+            conventions: "pan right positive, 1/32768°, 1/64 mm; zoom in raw steps",
+            users: "virtual studios, Unreal LiveLink, Vizrt",
+            loses: Some(
+                "lens, principal point, size, time; steps of 1/32768° and 1/64 mm, whole zoom values",
+            ),
+            file: Some("camera.freed"),
+            files: "packets (.freed)",
+            endings: &["freed", "bin"],
+            options: &[
+                FormatOption::Track,
+                FormatOption::Sensor,
+                FormatOption::Start,
+                FormatOption::Zoom,
+                FormatOption::Stage,
+            ],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -70,14 +92,6 @@ impl CameraFormat for FreeD {
             bytes.extend(packet.map_err(|why| cannot_hold(frame, Format::FreeD, why))?);
         }
         Ok(Files::one("camera.freed", bytes))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "packets (.freed)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "freed") || has_ending(name, "bin")
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {

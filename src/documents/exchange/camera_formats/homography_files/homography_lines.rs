@@ -5,11 +5,12 @@
 //! one that leaves any of them out is refused.
 
 use super::ground_homography::{corner_from, hold, inverse, matrix, normalise_homography};
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::relative_name;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
+use crate::exchange::format::{About, FormatOption};
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse, safe_path};
 use crate::exchange::syntax::values::{shorten, side_px};
@@ -101,6 +102,20 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
 }
 
 impl CameraFormat for HomographyLines {
+    fn about(&self) -> About {
+        About {
+            name: "homography",
+            title: "homographies that state their direction",
+            conventions: "pitch ← image in metres, pixels from the corner; each line says so",
+            users: "scripts",
+            loses: Some("lens, points off the ground, time, uncertainty"),
+            file: Some("cameras.jsonl"),
+            files: "homographies (.jsonl)",
+            endings: &["jsonl"],
+            options: &[FormatOption::Undistorted],
+        }
+    }
+
     fn hold(
         &self,
         frame: &FrameCamera,
@@ -144,14 +159,6 @@ impl CameraFormat for HomographyLines {
             let _ = writeln!(text, "{line}");
         }
         Ok(Files::one("homographies.jsonl", text.into_bytes()))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "homographies (.jsonl)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "jsonl")
     }
 
     fn read(

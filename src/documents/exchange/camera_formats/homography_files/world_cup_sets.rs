@@ -6,12 +6,13 @@
 //! ericsujw/KpSFR (loaders).
 
 use super::ground_homography::{corner_from, hold, inverse, matrix, normalise_homography};
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
+use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, stem_of};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::cameras::unreadable::read_frame_files;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem, text};
+use crate::exchange::format::{About, FormatOption};
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::npy;
 use crate::exchange::syntax::table::numbers;
@@ -29,6 +30,9 @@ const WC14_ENDING: &str = "homographyMatrix";
 const TS_ENDING: &str = "_homography.npy";
 /// The folder of the TS-WorldCup set's files.
 const TS_FOLDER: &str = "Annotations/80_95";
+
+/// The conventions of both sets.
+const YARDS: &str = "image → template in yards from the far-left corner, y toward the camera; pixel centres at whole numbers";
 
 /// The World Cup 2014 set.
 pub struct Wc14;
@@ -102,6 +106,20 @@ fn notes(frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
 }
 
 impl CameraFormat for Wc14 {
+    fn about(&self) -> About {
+        About {
+            name: "wc14",
+            title: "World Cup 2014 homographies, one file per frame",
+            conventions: YARDS,
+            users: "World Cup 2014 benchmarks, KpSFR, SCCvSD",
+            loses: Some("lens, points off the ground, time, uncertainty"),
+            file: None,
+            files: "homographies (.homographyMatrix)",
+            endings: &[WC14_ENDING],
+            options: &[FormatOption::Undistorted],
+        }
+    }
+
     fn size_source(&self) -> SizeSource {
         SizeSource::Assumed
     }
@@ -139,14 +157,6 @@ impl CameraFormat for Wc14 {
         Ok(files)
     }
 
-    fn file_description(&self) -> &'static str {
-        "homographies (.homographyMatrix)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, WC14_ENDING)
-    }
-
     fn read(
         &self,
         files: &Files,
@@ -161,6 +171,20 @@ impl CameraFormat for Wc14 {
 }
 
 impl CameraFormat for TsWorldCup {
+    fn about(&self) -> About {
+        About {
+            name: "tsworldcup",
+            title: "TS-WorldCup homographies, one .npy per frame",
+            conventions: YARDS,
+            users: "TS-WorldCup benchmarks, KpSFR",
+            loses: Some("lens, points off the ground, time, uncertainty"),
+            file: None,
+            files: "homographies (…_homography.npy)",
+            endings: &["npy"],
+            options: &[FormatOption::Undistorted],
+        }
+    }
+
     fn size_source(&self) -> SizeSource {
         SizeSource::Assumed
     }
@@ -213,14 +237,6 @@ impl CameraFormat for TsWorldCup {
         }
         files.add("test.txt", format!("{}\n", videos.join("\n")));
         Ok(files)
-    }
-
-    fn file_description(&self) -> &'static str {
-        "homographies (…_homography.npy)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "npy")
     }
 
     fn read(

@@ -9,11 +9,12 @@
 mod sample_reading;
 mod sample_writing;
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
+use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::FrameCamera;
 use crate::exchange::cameras::held::parts;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, text};
+use crate::exchange::format::{About, FormatOption};
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::{Node, parse};
 use sample_reading::{Static, read_line, unread_of_sample};
@@ -46,6 +47,25 @@ const MAX_NOTES: usize = 1000;
 const NAME_KEY: &str = "touchlineFrame";
 
 impl CameraFormat for OpenTrackIo {
+    fn about(&self) -> About {
+        About {
+            name: "opentrackio",
+            title: "OpenTrackIO 1.0.1, one sample per line",
+            conventions: "touchline's world; pan left positive, order Z X Y; mm on the sensor",
+            users: "Unreal 5.6, disguise, Mo-Sys, stYpe",
+            loses: Some("uncertainty"),
+            file: Some("cameras.jsonl"),
+            files: "samples (.jsonl)",
+            endings: &["jsonl"],
+            options: &[
+                FormatOption::Track,
+                FormatOption::Sensor,
+                FormatOption::Start,
+                FormatOption::Stage,
+            ],
+        }
+    }
+
     fn notes(&self, frames: &[FrameCamera], context: &WriteContext<'_>) -> Vec<String> {
         let note = context.sensor_width_note(NOMINAL_MM);
         let mut notes: Vec<String> = note.into_iter().collect();
@@ -82,14 +102,6 @@ impl CameraFormat for OpenTrackIo {
             text.push('\n');
         }
         Ok(Files::one("camera.jsonl", text.into_bytes()))
-    }
-
-    fn file_description(&self) -> &'static str {
-        "samples (.jsonl)"
-    }
-
-    fn is_wanted(&self, name: &str) -> bool {
-        has_ending(name, "jsonl")
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {
