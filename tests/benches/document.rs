@@ -214,10 +214,7 @@ fn five_hundred_edits_of_a_match(bencher: Bencher) {
             for edit in 0..500 {
                 let position = edit * 599;
                 let before = document.clone();
-                history.begin(
-                    &document,
-                    Step::on_frame("Move", document.frames[position].id.clone()),
-                );
+                history.begin(&document, Step::on_document("Move"));
                 document.frames[position].clicks[0].image.x += 1.0;
                 history.commit(&document);
                 document.count_edits_since(&before);
