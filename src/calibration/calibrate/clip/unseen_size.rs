@@ -36,6 +36,10 @@ const TELLING_PX: f64 = 4.0;
 /// 1-σ with which the picture of a known camera shows the position of a line, px at 1920 px width.
 const LINE_SIGMA_PX: f64 = 2.0;
 
+/// How far a line may likely lie from where the assumed length puts it, as a share of the σ of the
+/// rules: 2.5 m at the end of a soccer pitch, whose length is then 5 m another one.
+const LIKELY_SHARE: f64 = 1.0 / 3.0;
+
 /// Maximum number of known frames that are looked at, spread evenly over the document.
 const MAX_KNOWN: usize = 200;
 
@@ -148,10 +152,19 @@ impl UnseenSize {
     fn see_lines(&mut self, field: &FieldModel, known: &[(PtzCamera, ImageSize)]) {
         // The motion of each line in the picture that shows it best, px at 1920 px width per metre.
         let mut shown = vec![0.0_f64; self.by_line.len()];
+        let reach = self.axis * (LIKELY_SHARE * self.param().sigma_m);
         for (camera, image) in known {
+            // A line that the assumed length puts just inside the picture may lie outside it: it is
+            // seen only if it is in the picture wherever it may likely be.
+            let is_inside = |at: Vec3| {
+                let seen = camera.image_from_world(at);
+                seen.is_ok_and(|seen| image.contains(seen))
+            };
             let mut moves: Vec<Vec<f64>> = vec![Vec::new(); shown.len()];
-            for (line, px_per_m) in telling_samples(field, camera, *image, self.axis) {
-                moves[line].push(px_per_m / image.scale_from_1920());
+            for sample in telling_samples(field, camera, *image, self.axis) {
+                if is_inside(sample.at - reach) && is_inside(sample.at + reach) {
+                    moves[sample.line].push(sample.px_per_m / image.scale_from_1920());
+                }
             }
             for (shown, moves) in shown.iter_mut().zip(&mut moves) {
                 moves.sort_by(|one, other| other.total_cmp(one));
@@ -248,7 +261,7 @@ impl UnseenSize {
     ) -> Option<f64> {
         let moves = telling_samples(field, camera, image, self.axis)
             .into_iter()
-            .map(|(line, px_per_m)| px_per_m * (self.by_line[line] - self.by_seen).abs());
+            .map(|it| it.px_per_m * (self.by_line[it.line] - self.by_seen).abs());
         // An end moves by half of the length's error, hence half the threshold.
         let mut telling: Vec<f64> = moves
             .filter(|px| *px >= TELLING_PX / 2.0 * image.scale_from_1920())
@@ -289,14 +302,22 @@ pub(super) fn move_base(base: &CameraBase, by_m: Vec3) -> CameraBase {
     }
 }
 
-/// Samples of the lines in a picture: the line, and the motion of the sample along its normal in
-/// the picture per metre of motion along an axis, px.
+/// A sample of a line in a picture.
+struct TellingSample {
+    line: usize,
+    /// Its place, `world`, m.
+    at: Vec3,
+    /// Its motion along its normal in the picture per metre of motion along an axis, px.
+    px_per_m: f64,
+}
+
+/// Samples of the lines in a picture, and how an axis moves them.
 fn telling_samples(
     field: &FieldModel,
     camera: &PtzCamera,
     image: ImageSize,
     axis: Vec3,
-) -> Vec<(usize, f64)> {
+) -> Vec<TellingSample> {
     const STEP_M: f64 = 0.05;
     let options = SampleOptions {
         spacing_px: SPACING_PX * image.scale_from_1920(),
@@ -308,7 +329,11 @@ fn telling_samples(
     let moved = samples.filter_map(|sample| {
         let beside = camera.image_from_world(sample.at + axis * STEP_M).ok()?;
         let move_px = Vec2::new(beside.x - sample.image.x, beside.y - sample.image.y);
-        Some((sample.line, (move_px.dot(&sample.normal) / STEP_M).abs()))
+        Some(TellingSample {
+            line: sample.line,
+            at: sample.at,
+            px_per_m: (move_px.dot(&sample.normal) / STEP_M).abs(),
+        })
     });
     moved.collect()
 }
