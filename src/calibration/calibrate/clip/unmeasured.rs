@@ -187,6 +187,33 @@ mod tests {
         confidence(&overlay, SIZE)
     }
 
+    /// On a pitch that is assumed 3 m too short, the middle lies nearer to the right end than it is:
+    /// by projection alone it comes into pictures that do not show it.
+    #[test]
+    fn a_line_that_the_assumed_length_puts_just_inside_the_picture_is_not_seen() {
+        let shows_middle = |base: &CameraBase, pan_deg: f64| {
+            let camera = PtzCamera::new(*base, look(pan_deg));
+            let circle = (0..360).map(|deg| {
+                let (y, x) = f64::from(deg).to_radians().sin_cos();
+                Vec3::new(x, y, 0.0) * 9.15
+            });
+            let line = (-34..=34).map(|y| Vec3::new(0.0, f64::from(y), 0.0));
+            let mut places = circle.chain(line);
+            places.any(|at| (camera.image_from_world(at)).is_ok_and(|at| SIZE.contains(at)))
+        };
+        let mut moved = base();
+        moved.position_m.x -= 1.5;
+        let mut deceptive = 0;
+        for pan_deg in (0..60).map(|step| 20.0 + 0.25 * f64::from(step)) {
+            if !shows_middle(&base(), pan_deg) {
+                deceptive += usize::from(shows_middle(&moved, pan_deg));
+                let document = known_at(&moved, &[pan_deg], 102.0);
+                assert!(unseen_length(&document).is_open(), "{pan_deg}");
+            }
+        }
+        assert!(deceptive > 2, "{deceptive}");
+    }
+
     /// Key frames of the middle do not show the length. The overlay of frames at the ends is off by
     /// half of its error, which a small error hides from every check of the paint.
     #[test]
