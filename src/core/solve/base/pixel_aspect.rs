@@ -148,6 +148,13 @@ impl<'a> AspectTest<'a> {
         if surplus <= SHARED_PARAMETERS {
             return None;
         }
+        // Lines alone give the aspect to a quarter only on real footage, whose ground and lens are
+        // not quite those of the model: 1.26 on a broadcast with square pixels. They can say
+        // whether a picture of an unusual proportion was a usual one, and nothing of others.
+        let has_points = self.has_points();
+        if !has_points && self.of_usual_scaled().abs() <= LEAST {
+            return None;
+        }
         // The same adjustment once more, from where it ended: the search compares costs, which have
         // to be those of minima.
         let square = self.adjust(0.0, 0.0, base, ptz);
@@ -192,7 +199,9 @@ impl<'a> AspectTest<'a> {
             sigma: value * sigma.max(at.log_aspect.abs() / gain.max(1e-9).sqrt()),
             image_size: self.clicks.image_size,
         };
-        (found.is_clear() && self.is_credible(at.log_aspect)).then(|| {
+        let is_credible =
+            has_points || (at.log_aspect - self.of_usual_scaled()).abs() < at.log_aspect.abs();
+        (found.is_clear() && is_credible).then(|| {
             (
                 found,
                 error_between(&at.adjusted.base, &square.adjusted.base),
@@ -200,18 +209,17 @@ impl<'a> AspectTest<'a> {
         })
     }
 
-    /// Whether an aspect (logarithm) is to be believed. Lines alone give it to a quarter only on real
-    /// footage, whose ground and lens are not quite those of the model: 1.26 on a broadcast with
-    /// square pixels. They can say whether a picture of an unusual proportion was a usual one.
-    fn is_credible(&self, log_aspect: f64) -> bool {
+    /// The aspect (logarithm) that usual pictures scaled to this proportion have.
+    fn of_usual_scaled(&self) -> f64 {
+        let ImageSize { width, height } = self.clicks.image_size;
+        (USUAL_PROPORTION * f64::from(height) / f64::from(width)).ln()
+    }
+
+    /// Whether points are among the clicks, not lines alone.
+    fn has_points(&self) -> bool {
         let clicks = self.clicks.frames.iter();
         let mut clicks = clicks.flat_map(FrameClicks::used_clicks);
-        if clicks.any(|click| click.shape.point().is_some()) {
-            return true;
-        }
-        let ImageSize { width, height } = self.clicks.image_size;
-        let of_usual = (USUAL_PROPORTION * f64::from(height) / f64::from(width)).ln();
-        of_usual.abs() > LEAST && (log_aspect - of_usual).abs() < log_aspect.abs()
+        clicks.any(|click| click.shape.point().is_some())
     }
 
     /// The base at an aspect near that of a trial.
