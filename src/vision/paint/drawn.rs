@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 
 /// Size of the pictures, px.
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
@@ -99,6 +99,45 @@ fn court_colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
     }
     let plank = 1.0 + 0.02 * f64::from((at.y / 0.4).floor() as i32 % 3);
     [214.0, 178.0, 132.0].map(|value| value * plank)
+}
+
+/// A purple tennis court in a green surround as [`tennis_truth`] sees it.
+pub static HARD_COURT: LazyLock<Picture> =
+    LazyLock::new(|| draw_ground(&tennis(), &tennis_truth(), SIZE, hard_court_colour));
+
+/// A flat tennis court.
+pub fn tennis() -> FieldModel {
+    let template = builtin("tennis").unwrap();
+    template.model(&BTreeMap::new(), 0.0).unwrap()
+}
+
+/// A camera in the stand behind a baseline of a tennis court.
+pub fn tennis_camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
+    let turned = BaseAngles {
+        heading: Angle::from_degrees(90.0),
+        ..BaseAngles::default()
+    };
+    let base = CameraBase::new(
+        Vec3::new(-33.0, 0.1, 8.7),
+        turned.base_from_world(),
+        SIZE.centre(),
+    );
+    PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+}
+
+/// The camera of [`HARD_COURT`].
+pub fn tennis_truth() -> PtzCamera {
+    tennis_camera(0.0, -13.0, 2000.0)
+}
+
+fn hard_court_colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
+    if from_paint_m(field, at) <= 0.0 {
+        [235.0, 236.0, 238.0]
+    } else if at.x.abs() <= 0.5 * field.length_m && at.y.abs() <= 0.5 * field.width_m {
+        [92.0, 70.0, 140.0]
+    } else {
+        [52.0, 104.0, 66.0]
+    }
 }
 
 /// Turf with the field's paint, and sky where no ground is seen.

@@ -16,6 +16,7 @@
 //! The rest of [`LineCheck`] describes the fit and finds fields of another size.
 
 use super::alignment::{LinearisedCamera, RidgeAlignment, StepPx};
+use super::ground_on_field::ground_on_field;
 use super::sightings::{LineObservations, SampleContent, SamplingDistances};
 use super::unexplained::unexplained_share;
 use crate::paint::GroundPicture;
@@ -110,6 +111,7 @@ impl LineCheck {
 /// Tests a camera against the paint of a picture.
 #[must_use]
 pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera) -> LineCheck {
+    let ground = &*ground_on_field(ground, field, camera);
     let size = ground.size();
     let scale = size.scale_from_1920();
     let look = SamplingDistances {

@@ -4,6 +4,7 @@
 
 mod alignment;
 pub mod check;
+mod ground_on_field;
 mod lens;
 pub mod places;
 mod search;

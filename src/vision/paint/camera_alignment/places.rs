@@ -2,6 +2,7 @@
 //! adjusted jointly.
 
 use super::alignment::ridge_sigma_px;
+use super::ground_on_field::ground_on_field;
 use super::sightings::{LineObservations, SamplingDistances};
 use crate::paint::GroundPicture;
 use touchline_core::camera::PtzCamera;
@@ -44,6 +45,7 @@ pub fn paint_places(
     field: &FieldModel,
     camera: &PtzCamera,
 ) -> Vec<PaintPlace> {
+    let ground = &*ground_on_field(ground, field, camera);
     let scale = ground.size().scale_from_1920();
     let look = SamplingDistances {
         reach_px: LOOK.reach_px * scale,

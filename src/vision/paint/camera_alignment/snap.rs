@@ -38,6 +38,7 @@ use super::alignment::{
     ClickAlignment, LinearisedCamera, RidgeAlignment, StepPx, sample_sigmas_px,
 };
 use super::check::{check_lines, halves_apart_px, overlays_apart_px};
+use super::ground_on_field::ground_on_field;
 use super::lens::{OwnLens, own_lens};
 use super::search::likely_steps;
 use super::sightings::{LineObservations, SamplingDistances};
@@ -167,6 +168,7 @@ pub fn snap(
     clicks: &[Observation],
     options: &SnapOptions,
 ) -> Result<Snapped, SnapError> {
+    let ground = &*ground_on_field(ground, field, &PtzCamera::new(*base, start));
     let problem = Problem {
         ground,
         field,

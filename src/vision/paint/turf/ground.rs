@@ -26,6 +26,14 @@ impl GroundPicture {
         }
     }
 
+    /// The same picture with another ground.
+    pub(in crate::paint) fn with_surface(&self, surface: Surface) -> Self {
+        Self {
+            surface,
+            ..self.clone()
+        }
+    }
+
     /// Width and height, px.
     #[must_use]
     pub const fn size(&self) -> ImageSize {

@@ -10,6 +10,9 @@
 //!
 //! Floors have painted areas (keys, circles) of other colours. They are found by position: their
 //! pixels lie between pieces of floor in a column of the picture. Turf has none.
+//!
+//! Where it is known which pixels show the field, the ground is the most common colour of these, and
+//! the colours around the field are areas, too ([`Surface::with_floor`]).
 
 use crate::media::Picture;
 
@@ -41,6 +44,9 @@ const MOST_AREAS: usize = 3;
 
 /// Minimum size of an area, in pixels between pieces of floor, as a share of the floor's pixels.
 const LEAST_AREA: f64 = 0.03;
+
+/// Minimum share of the pixels that show the field which have the floor's colours.
+const LEAST_FLOOR: f64 = 0.4;
 
 /// Minimum count of a bin of an area, as a share of the area's largest count.
 const LEAST_COMMON_AREA: f64 = 0.12;
@@ -112,15 +118,8 @@ impl Surface {
         // (`ground_area.rs`).
         let of_ground = flood_fill_from_peak(&counts, LEAST_COMMON);
         let of_bare_ground = flood_fill_from_peak(&counts, LEAST_COMMON_BARE);
-        let sum: f64 = counts
-            .iter()
-            .zip(&of_ground)
-            .filter(|(_, of)| **of)
-            .map(|(count, _)| count)
-            .sum();
-        // Turf or floor, by the most common colour.
-        let (red, green) = (share_of(peak / BINS), share_of(peak % BINS));
-        let is_turf = green - red.max(1.0 - red - green) > GREEN;
+        let sum = sum_in(&counts, &of_ground);
+        let is_turf = is_green(peak);
         let of_areas = if is_turf {
             vec![false; BINS * BINS]
         } else {
@@ -132,6 +131,38 @@ impl Surface {
             of_areas,
             is_turf,
         }
+    }
+
+    /// The ground where pixels of these colours show the field: the most common of them is the
+    /// floor, others may be areas painted on it, and the ground that was known before surrounds it.
+    /// None if most of the pixels have no common colour.
+    pub(in crate::paint) fn with_floor(&self, colours: &[[u8; 3]]) -> Option<Self> {
+        let mut counts = vec![0_f64; BINS * BINS];
+        for bin in colours.iter().filter_map(|colour| bin(*colour)) {
+            counts[bin] += 1.0;
+        }
+        let counts = smooth_histogram(&counts);
+        let of_ground = flood_fill_from_peak(&counts, LEAST_COMMON);
+        let floor = sum_in(&counts, &of_ground);
+        if !(floor >= LEAST_FLOOR * colours.len() as f64 && floor > 0.0) {
+            return None;
+        }
+        // What else is common on the field is painted on it, unless it is grey like paint.
+        let beside = counts.iter().enumerate();
+        let beside = beside.map(|(bin, count)| {
+            let is_other = !of_ground[bin] && !is_grey(bin);
+            if is_other { *count } else { 0.0 }
+        });
+        let mut of_areas = areas_among(beside.collect(), &of_ground, floor);
+        for (bin, is_area) in of_areas.iter_mut().enumerate() {
+            *is_area |= (self.of_ground[bin] || self.of_areas[bin]) && !of_ground[bin];
+        }
+        Some(Self {
+            of_bare_ground: flood_fill_from_peak(&counts, LEAST_COMMON_BARE),
+            of_ground,
+            of_areas,
+            is_turf: is_green(peak_of(&counts)),
+        })
     }
 
     /// Whether a colour belongs to the ground or to an area painted on it.
@@ -212,25 +243,7 @@ impl Bins {
                 }
             }
         }
-        // The most common of these colours, with what is connected to it, is an area; then the
-        // next. Taking the counts of an area away leaves the peak of the next one. Smoothing has
-        // spread counts into bins of the ground; these stay ground.
-        let mut left = smooth_histogram(&between);
-        let mut areas = vec![false; BINS * BINS];
-        for _ in 0..MOST_AREAS {
-            let area = flood_fill_from_peak(&left, LEAST_COMMON_AREA);
-            let mut sum = 0.0;
-            for (count, _) in left.iter_mut().zip(&area).filter(|(_, of)| **of) {
-                sum += std::mem::take(count);
-            }
-            if !(sum >= LEAST_AREA * floor && sum > 0.0) {
-                break;
-            }
-            for (bin, is_area) in areas.iter_mut().enumerate() {
-                *is_area |= area[bin] && !of_ground[bin];
-            }
-        }
-        areas
+        areas_among(smooth_histogram(&between), of_ground, floor)
     }
 
     /// Whether [`RUN`] samples of a column, from a row on, are floor, with one exception at most.
@@ -239,6 +252,42 @@ impl Bins {
         let floor = samples.filter(|row| row[column].is_some_and(|bin| of_ground[bin]));
         floor.count() + 1 >= RUN
     }
+}
+
+/// The bins of areas painted on a floor of `floor` pixels, from the smoothed counts of what may be
+/// one.
+///
+/// The most common colour, with what is connected to it, is an area; then the next. Taking the counts
+/// of an area away leaves the peak of the next one. Smoothing has spread counts into bins of the
+/// ground; these stay ground.
+fn areas_among(mut left: Vec<f64>, of_ground: &[bool], floor: f64) -> Vec<bool> {
+    let mut areas = vec![false; BINS * BINS];
+    for _ in 0..MOST_AREAS {
+        let area = flood_fill_from_peak(&left, LEAST_COMMON_AREA);
+        let mut sum = 0.0;
+        for (count, _) in left.iter_mut().zip(&area).filter(|(_, of)| **of) {
+            sum += std::mem::take(count);
+        }
+        if !(sum >= LEAST_AREA * floor && sum > 0.0) {
+            break;
+        }
+        for (bin, is_area) in areas.iter_mut().enumerate() {
+            *is_area |= area[bin] && !of_ground[bin];
+        }
+    }
+    areas
+}
+
+/// Whether the bin's chromaticity is that of turf: floors are of other colours.
+fn is_green(bin: usize) -> bool {
+    let (red, green) = (share_of(bin / BINS), share_of(bin % BINS));
+    green - red.max(1.0 - red - green) > GREEN
+}
+
+/// The sum of the counts of some bins.
+fn sum_in(counts: &[f64], of: &[bool]) -> f64 {
+    let counts = counts.iter().zip(of).filter(|(_, of)| **of);
+    counts.map(|(count, _)| count).sum()
 }
 
 /// Whether the bin's chromaticity is near that of grey.
