@@ -54,6 +54,8 @@ pub(super) struct ClipFit<'a> {
 /// A clip after its last adjustment.
 pub(super) struct FittedClip {
     pub adjusted: AdjustedClip,
+    /// The same before any paint was searched, from points and known cameras alone.
+    pub by_points: AdjustedClip,
     /// Number of frames that were aligned to their painted lines.
     pub painted: usize,
     /// Verdicts of the paint on the adjusted cameras.
@@ -80,7 +82,8 @@ impl ClipFit<'_> {
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<FittedClip, TrackClipError> {
         // The first adjustment has no paint of its own: only points and the known cameras.
-        let mut adjusted = self.adjust(&BTreeMap::new(), progress)?;
+        let by_points = self.adjust(&BTreeMap::new(), progress)?;
+        let mut adjusted = by_points.clone();
         let mut painted = 0;
         for _ in 0..if self.options.paint_every > 0 {
             MAX_ROUNDS
@@ -122,6 +125,7 @@ impl ClipFit<'_> {
         let paint_verdicts = self.judge(&adjusted, reader, evidence, progress)?;
         Ok(FittedClip {
             adjusted,
+            by_points,
             painted,
             paint_verdicts,
         })

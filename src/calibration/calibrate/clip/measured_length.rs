@@ -4,14 +4,16 @@
 //! from there are right at that part only. As soon as some of them show another part, their paint
 //! determines the length: it is searched over all lengths that the rules allow, each with the base
 //! moved along with what the known cameras saw so that this projects as before. The right length
-//! puts the other lines onto their paint. The frames keep pan, tilt and focal length.
+//! puts the other lines onto their paint. The frames keep pan, tilt and focal length. These come from
+//! tracked points alone: a camera that was aligned to the paint in question, with the assumed length,
+//! has turned by most of the length's error, and confirms what was assumed.
 
 use super::unseen_size::{UnseenSize, is_size_stated, move_base};
 use crate::calibrate::base::field_size::set_field_size;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldError;
-use touchline_core::geometry::{Vec3, mean};
+use touchline_core::geometry::{Vec3, mean, median};
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document, DocumentAt};
 use touchline_vision::paint::{GroundPicture, check_lines};
@@ -55,11 +57,13 @@ pub struct LengthOnLines {
     pub is_prescribed: bool,
 }
 
-/// The picture of a frame, and its camera at the assumed length.
+/// The picture of a frame, and its camera at the assumed length, which owes nothing to its paint.
 pub(in crate::calibrate) struct PosedPicture {
     pub ground: GroundPicture,
     pub base: CameraBase,
     pub ptz: Ptz,
+    /// 1-σ of the direction in which the camera looks, px.
+    pub turn_sigma_px: f64,
 }
 
 /// Measures an open length on frames that show other lines than the known cameras. None where the
@@ -102,17 +106,26 @@ pub(in crate::calibrate) fn measure_length(
     let lengths = steps(from_m, to_m, FINE_SHARE * param.assumed_m);
     let table = rate(&lengths);
     let value_m = lengths[index_of_largest(means_of_rows(&table).into_iter())];
-    // The σ is the scatter of the single frames' best lengths. It is not divided by √n, since
-    // errors of the base are common to all of them.
+    // The σ is the scatter of the single frames' best lengths, or what the directions of their cameras leave open if that
+    // is more. Neither is divided by √n, since errors of the base are common to all frames, and
+    // neighbours have been tracked along the same points.
     let squares: Vec<f64> = (0..looks.len())
         .filter_map(|look| Some((peak_of(&lengths, &table, look)? - value_m).powi(2)))
         .collect();
     let spread_m = mean(&squares)
         .filter(|_| squares.len() >= MIN_FRAMES)?
         .sqrt();
+    let mut by_turns: Vec<f64> = looks
+        .iter()
+        .map(|look| {
+            let motion_px = unseen.motion_px(&look.base, look.ptz, look.ground.size());
+            look.turn_sigma_px / motion_px
+        })
+        .collect();
+    let by_turn_m = median(&mut by_turns).unwrap_or(f64::INFINITY);
     Some(FittedSize {
         value_m,
-        sigma_m: spread_m.max(unseen.least_sigma_m()),
+        sigma_m: spread_m.max(by_turn_m).max(unseen.least_sigma_m()),
         is_open: false,
         ..param.unseen()
     })

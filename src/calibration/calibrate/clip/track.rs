@@ -165,6 +165,7 @@ pub fn track_clip(
     };
     let FittedClip {
         adjusted,
+        by_points,
         painted,
         paint_verdicts,
     } = fit.adjust_to_paint(reader, evidence, progress)?;
@@ -178,7 +179,7 @@ pub fn track_clip(
     let unmeasured = if is_size_stated(spec.size()) && !is_of_other_field {
         Unmeasured::default()
     } else {
-        Unmeasured::measure(&fit, &adjusted, &paint, reader)?
+        Unmeasured::measure(&fit, &by_points, &paint, reader)?
     };
 
     let raw: Vec<Option<Ptz>> = adjusted

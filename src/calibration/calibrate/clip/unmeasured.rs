@@ -7,11 +7,11 @@ use super::fit::ClipFit;
 use super::measured_length::{FRAMES, LengthOnLines, PosedPicture, measure_length, other_length};
 use super::unseen_size::UnseenSize;
 use std::collections::BTreeSet;
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImageSize, subsample};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::paint::GroundPicture;
-use touchline_vision::track::AdjustedClip;
+use touchline_vision::track::{AdjustedClip, AdjustedFrame};
 
 /// The lengths of a clip's field with their errors.
 #[derive(Default)]
@@ -22,11 +22,11 @@ pub(super) struct Unmeasured {
 }
 
 impl Unmeasured {
-    /// Determines what the known cameras leave open, and measures it where the adjusted frames show
-    /// it. Known cameras that the paint contradicts say nothing.
+    /// Determines what the known cameras leave open, and measures it where frames adjusted to points
+    /// alone show it. Known cameras that the paint contradicts say nothing.
     pub fn measure(
         fit: &ClipFit<'_>,
-        adjusted: &AdjustedClip,
+        by_points: &AdjustedClip,
         paint: &[PaintVerdict],
         reader: &mut dyn ReadFrames,
     ) -> Result<Self, TrackClipError> {
@@ -49,26 +49,27 @@ impl Unmeasured {
         if fit.options.paint_every == 0 {
             return Ok(found);
         }
-        let reached: Vec<(usize, Ptz)> = adjusted
+        let reached: Vec<(usize, AdjustedFrame)> = by_points
             .frames
             .iter()
             .enumerate()
-            .filter_map(|(frame, reached)| Some((frame, reached.as_ref()?.ptz)))
+            .filter_map(|(frame, reached)| Some((frame, (*reached)?)))
             .collect();
         let least_px = DIFFER_PX * fit.pictures.size.scale_from_1920();
         for unseen in found.sizes.iter_mut().filter(|unseen| unseen.is_open()) {
-            let is_telling = |(frame, ptz): &&(usize, Ptz)| {
+            let is_telling = |(frame, reached): &&(usize, AdjustedFrame)| {
                 let base = fit.camera.base_at(*frame);
-                unseen.sigma_px(&base, *ptz, fit.pictures.size) > least_px
+                unseen.sigma_px(&base, reached.ptz, fit.pictures.size) > least_px
             };
-            let telling: Vec<&(usize, Ptz)> = reached.iter().filter(is_telling).collect();
+            let telling: Vec<&(usize, AdjustedFrame)> = reached.iter().filter(is_telling).collect();
             let mut looks = Vec::new();
-            for &&(frame, ptz) in subsample(&telling, FRAMES) {
+            for &&(frame, AdjustedFrame { ptz, covariance }) in subsample(&telling, FRAMES) {
                 let shown = fit.pictures.read_masked(reader, frame)?;
                 looks.push(PosedPicture {
                     ground: GroundPicture::new(&shown.picture, &shown.masks),
                     base: fit.camera.base_at(frame),
                     ptz,
+                    turn_sigma_px: covariance[(0, 0)].max(covariance[(1, 1)]).sqrt() * ptz.focal_px,
                 });
             }
             let Some(size) = measure_length(unseen, &looks) else {
@@ -97,7 +98,7 @@ mod tests {
     use crate::calibrate::fixtures::document_with;
     use crate::calibrate::take_length;
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::field::builtin;
     use touchline_core::geometry::Vec3;
     use touchline_documents::document::{Document, FieldSize, Frame, FramePtz, FrameStatus};
@@ -171,6 +172,7 @@ mod tests {
                 ground: GroundPicture::new(&Picture::new(SIZE, rgba).unwrap(), &[]),
                 base: *base,
                 ptz: look(*pan_deg),
+                turn_sigma_px: 0.1,
             }
         };
         pans.iter().map(picture).collect()

@@ -239,6 +239,12 @@ impl UnseenSize {
     /// 1-σ in a picture of the lines that do not move with what was seen, px; 0 if it shows none of
     /// them at any likely length.
     pub fn sigma_px(&self, base: &CameraBase, ptz: Ptz, image: ImageSize) -> f64 {
+        self.motion_px(base, ptz, image) * self.error_m
+    }
+
+    /// By how much a metre of length moves the lines in a picture relative to what was seen, px; 0
+    /// if it shows none of them at any likely length.
+    pub fn motion_px(&self, base: &CameraBase, ptz: Ptz, image: ImageSize) -> f64 {
         // The median over the samples of each length, the largest over the lengths: lines that may
         // be in the picture count.
         let motions = self.likely.iter().filter_map(|(field, shift_m)| {
@@ -248,7 +254,7 @@ impl UnseenSize {
                 image,
             )
         });
-        motions.fold(0.0, f64::max) * self.error_m
+        motions.fold(0.0, f64::max)
     }
 
     /// The median motion of the lines in a picture relative to what was seen, px per metre of
