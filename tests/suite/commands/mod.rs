@@ -16,4 +16,5 @@ pub mod relocalize_command;
 mod season_commands;
 mod synth_command;
 mod track_command;
+mod unseen_length;
 mod window_command;
