@@ -132,15 +132,20 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let all = &labelled.cameras;
     output.write(document.clone(), &folder)?;
     new_folder.keep();
-    messages.note(&format!(
-        "{}: {}, {} with a suggested camera, {} of them aligned to the painted lines",
-        folder.join(PROJECT_FILE).display(),
-        pluralise(document.frames.len(), "frame"),
-        all.iter().map(|found| found.frames.len()).sum::<usize>(),
-        all.iter()
-            .map(|found| found.aligned_frame_count())
-            .sum::<usize>(),
-    ));
+    let project = folder.join(PROJECT_FILE);
+    let frames = pluralise(document.frames.len(), "frame");
+    if all.is_empty() {
+        messages.note(&format!("{}: {frames}", project.display()));
+    } else {
+        messages.note(&format!(
+            "{}: {frames}, {} with a suggested camera, {} of them aligned to the painted lines",
+            project.display(),
+            all.iter().map(|found| found.frames.len()).sum::<usize>(),
+            all.iter()
+                .map(|found| found.aligned_frame_count())
+                .sum::<usize>(),
+        ));
+    }
     let LabelledMatch {
         answered,
         unanswered,
@@ -152,6 +157,9 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         ));
     }
     if let Some(panorama) = &args.panorama {
+        if all.is_empty() {
+            messages.note("clicks gave the camera without a search, so there is no panorama");
+        }
         for (number, found) in all.iter().enumerate() {
             write_file(
                 &panorama_path(panorama, number),

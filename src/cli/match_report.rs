@@ -62,6 +62,17 @@ impl MatchReport {
                 }
                 describe_found(&found, messages);
             }
+            MatchEvent::FromClicks { camera, base } => {
+                shown.bar.clear();
+                if let Some(base) = base {
+                    let (at, sigma) = (base.position_m, base.sigma.position_m);
+                    messages.note(&format!(
+                        "{camera}: from its clicks and the paint of the frames tracked from them: position \
+                         ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m",
+                        at.x, at.y, at.z, sigma.x, sigma.y, sigma.z
+                    ));
+                }
+            }
             MatchEvent::OtherNotFound {
                 document,
                 camera,

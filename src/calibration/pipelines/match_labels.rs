@@ -1,5 +1,8 @@
-//! Labelling a match without clicks: from the pictures of its frames to a camera for each.
+//! Labelling a match: from the pictures of its frames, and the clicks if there are any, to a camera
+//! for each.
 //!
+//! 0. Where clicks determine the camera of a video, it is labelled from them (`clicked_match.rs`).
+//!    Else:
 //! 1. The camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
 //! 2. Frames that overlap with none of its frames belong to another camera, which is found in the
 //!    same way, and so on.
@@ -23,6 +26,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use thiserror::Error;
+use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, Document, DocumentAt, FrameStatus};
@@ -68,6 +72,13 @@ pub enum MatchEvent {
         /// For every camera but the first: number of sampled frames that overlap with none of the
         /// cameras before.
         separate_frames: Option<usize>,
+    },
+    /// The clicks give the camera, and the frames tracked from them lie on their paint.
+    FromClicks {
+        /// Id of the camera.
+        camera: CameraId,
+        /// Its base.
+        base: Option<CameraBase>,
     },
     /// A further camera was not found; its frames stay without one.
     OtherNotFound {
@@ -185,7 +196,7 @@ fn describe_clicks(document: &Document, clicks: Option<&WantedClicks>) -> String
 /// The cameras of a match that was labelled.
 #[derive(Debug)]
 pub struct LabelledMatch {
-    /// The cameras that were found.
+    /// The cameras that were found by a search; empty where clicks gave the camera.
     pub cameras: Vec<Arc<AutocalibratedCamera>>,
     /// Number of frames that were not sampled and have a camera now.
     pub answered: usize,
@@ -209,7 +220,7 @@ pub enum LabelMatchError {
 }
 
 /// Labels the frames of a document that has no cameras yet: finds `camera`, to which they all are
-/// assigned, and the other cameras among them, and writes the cameras of all frames as suggestions.
+/// assigned, from the clicks in them or without any, and the other cameras among them, and writes the cameras of all frames as suggestions.
 /// `folder` is where the document's relative paths start.
 ///
 /// # Errors
@@ -230,6 +241,11 @@ pub fn label_match(
         options,
         progress,
     };
+    if options.label_the_rest
+        && let Some(labelled) = labelling.label_from_clicks(camera)?
+    {
+        return Ok(MatchLabels::Labelled(labelled));
+    }
     let first = match labelling.search(camera)? {
         Ok(found) => found,
         Err(why) => return Ok(MatchLabels::NoCamera(why)),
@@ -261,7 +277,7 @@ pub fn label_match(
 
 /// The indices of a document's frames that have no camera, without rejected ones: a person decided
 /// that these get none.
-fn frames_without_camera(document: &Document) -> Vec<usize> {
+pub(super) fn frames_without_camera(document: &Document) -> Vec<usize> {
     (0..document.frames.len())
         .filter(|&index| {
             let frame = &document.frames[index];
@@ -306,12 +322,12 @@ pub fn learn_from_found(
 }
 
 /// The state while a match is labelled.
-struct Labelling<'a> {
-    document: &'a mut Document,
-    folder: &'a Path,
-    reader: &'a mut dyn ReadFrames,
+pub(super) struct Labelling<'a> {
+    pub document: &'a mut Document,
+    pub folder: &'a Path,
+    pub reader: &'a mut dyn ReadFrames,
     options: &'a MatchOptions,
-    progress: &'a Progress<'a, MatchEvent>,
+    pub progress: &'a Progress<'a, MatchEvent>,
 }
 
 impl Labelling<'_> {

@@ -3,11 +3,12 @@
 //!
 //! | job | function |
 //! |---|---|
-//! | a match, from its pictures to the cameras of all frames, without clicks | [`label_match`] |
+//! | a match, from its pictures to the cameras of all frames, without clicks or from few | [`label_match`] |
 //! | frames labelled by a forest: train, propose, check, record | [`learn_forest`], [`learn_from_found`], [`propose_on_lines`], [`label_frames`] |
 //! | cameras of another program, one for each frame of a video, put on one camera and its paint | [`mend`] |
 //! | clips tracked from known frames, with base and field corrected where needed | [`track_clips`] |
 
+mod clicked_match;
 mod forest_labels;
 mod match_labels;
 mod mend;

@@ -407,7 +407,7 @@ fn is_same_base(known: &CameraBase, refined: &CameraBase) -> bool {
 }
 
 /// The mean confidence of the tracked frames, 0 to 1; 0 without any.
-fn mean_confidence(document: &Document) -> f64 {
+pub(super) fn mean_confidence(document: &Document) -> f64 {
     let tracked = document.frames.iter().filter(|frame| frame.is_tracked());
     let confidences: Vec<f64> = tracked
         .filter_map(|frame| frame.solution.as_ref()?.confidence)

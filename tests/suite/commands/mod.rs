@@ -2,6 +2,7 @@
 //! error for wrong usage. What a command calculates is tested where the function lies. Kills and
 //! full disks are in `robustness`.
 
+mod calibrate_clicked;
 mod calibrate_command;
 mod cli_documents;
 mod dataset_command;

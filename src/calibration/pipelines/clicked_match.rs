@@ -1,0 +1,164 @@
+//! Labelling a match whose clicks determine its camera: no search is needed.
+//!
+//! 1. The clicks give the base, as for one frame with four landmarks they do.
+//! 2. The shots with clicks are tracked from the clicked frames, and the base is refined on the paint
+//!    of all their frames.
+//! 3. A forest learns from the tracked frames and is queried for some frames of the other shots; the
+//!    shots in which it is certain are tracked from these.
+//!
+//! The paint judges what the clicks say: where the tracked frames do not lie on it, nothing is
+//! answered, and the search of [`label_match`](super::label_match) follows.
+
+use super::forest_labels::{ForestRequest, PictureFiles, label_frames, learn_forest};
+use super::match_labels::{
+    LabelMatchError, LabelledMatch, Labelling, MatchEvent, frames_without_camera,
+};
+use super::track_clips::{TrackingOptions, give_first_base, mean_confidence, track_clips};
+use crate::calibrate::{ClipEvidence, ClipFrames, clips};
+use crate::proposals::{FeatureStore, FramePictures, LearnOptions};
+use touchline_core::geometry::subsample;
+use touchline_core::solve::base::BaseOptions;
+use touchline_documents::document::{Camera, CameraId, Document, Frame, FrameStatus};
+use touchline_vision::relocalize::{CERTAIN, RelocalizeOptions};
+
+/// Minimum mean confidence of the tracked frames. Where the clicks give a wrong base, the paint
+/// contradicts most of them.
+const MIN_CONFIDENCE: f64 = 0.5;
+
+/// Maximum number of tracked frames that a forest learns from, and of frames of other shots that it
+/// is queried for.
+const MAX_LEARNT: usize = 60;
+const MAX_ASKED: usize = 60;
+
+impl Labelling<'_> {
+    /// Labels a match from the clicks in its frames. None, with the document unchanged, where the
+    /// clicks determine no camera, or one that the paint contradicts; and for images of which most
+    /// get no camera, as they are no sequence.
+    ///
+    /// # Errors
+    /// The field of a camera is not valid, or the forest for the other shots cannot be trained.
+    pub(super) fn label_from_clicks(
+        &mut self,
+        camera: &CameraId,
+    ) -> Result<Option<LabelledMatch>, LabelMatchError> {
+        let mut trial = self.document.clone();
+        let options = BaseOptions::default();
+        if give_first_base(&mut trial, self.folder, camera, &options).is_err() {
+            return Ok(None);
+        }
+        let open = frames_without_camera(&trial);
+        let clips = clips(trial.at(self.folder), None);
+        let mut evidence = Vec::new();
+        self.track(&mut trial, &clips, true, &mut evidence)?;
+        if mean_confidence(&trial) < MIN_CONFIDENCE {
+            return Ok(None);
+        }
+        if self.label_other_shots(&mut trial)? {
+            self.track(&mut trial, &clips, false, &mut evidence)?;
+        }
+        let answered = open
+            .iter()
+            .filter(|&&index| trial.frames[index].ptz.is_some());
+        let labelled = LabelledMatch {
+            cameras: Vec::new(),
+            answered: answered.count(),
+            unanswered: frames_without_camera(&trial).len(),
+        };
+        let is_video = trial.frames.iter().any(|frame| frame.video.is_some());
+        if !is_video && labelled.unanswered > labelled.answered {
+            return Ok(None);
+        }
+        *self.document = trial;
+        // The work is done and cannot be cancelled.
+        let _ = self.progress.report(MatchEvent::FromClicks {
+            camera: camera.clone(),
+            base: self.document.camera(camera).and_then(Camera::base),
+        });
+        Ok(Some(labelled))
+    }
+
+    fn track(
+        &mut self,
+        document: &mut Document,
+        clips: &[ClipFrames],
+        refine_base: bool,
+        evidence: &mut Vec<ClipEvidence>,
+    ) -> Result<(), LabelMatchError> {
+        let options = TrackingOptions {
+            refine_base,
+            ..TrackingOptions::default()
+        };
+        let progress = self.progress.part(MatchEvent::Tracking);
+        track_clips(
+            document,
+            self.folder,
+            clips,
+            self.reader,
+            &options,
+            evidence,
+            &progress,
+        )?;
+        Ok(())
+    }
+
+    /// Queries a forest that learns from the tracked frames for some of the frames that tracking did
+    /// not reach. True if it is certain of any.
+    fn label_other_shots(&mut self, document: &mut Document) -> Result<bool, LabelMatchError> {
+        let open: Vec<usize> = subsample(frames_without_camera(document), MAX_ASKED).collect();
+        if open.is_empty() || self.progress.is_cancelled() {
+            return Ok(false);
+        }
+        // The forest learns from references, so the certain frames are references in a copy.
+        let mut accepted = document.clone();
+        let certain =
+            (0..accepted.frames.len()).filter(|&index| is_certain(&accepted.frames[index]));
+        let learnt: Vec<usize> = subsample(certain.collect::<Vec<_>>(), MAX_LEARNT).collect();
+        for &index in &learnt {
+            accepted.frames[index].status = FrameStatus::Reference;
+        }
+        let (store, options) = (FeatureStore::in_memory(), LearnOptions::default());
+        let pictures = FramePictures {
+            document: &accepted,
+            folder: self.folder,
+            options: options.features,
+            store: &store,
+        };
+        let progress = self.progress.part(MatchEvent::Learning);
+        let Some(forest) = learn_forest(&pictures, self.reader, &learnt, &options, &progress)?
+        else {
+            return Ok(false);
+        };
+        let request = ForestRequest {
+            model: &forest.model,
+            generation: 0,
+            options: RelocalizeOptions::default(),
+        };
+        let files = PictureFiles {
+            folder: self.folder,
+            store: &store,
+        };
+        let of = open.len();
+        let progress = self.progress.part(|done| MatchEvent::Asking { done, of });
+        label_frames(
+            document,
+            files,
+            self.reader,
+            &open,
+            &request,
+            true,
+            &progress,
+        )?;
+        Ok(open
+            .iter()
+            .any(|&index| is_certain(&document.frames[index])))
+    }
+}
+
+/// Whether a frame's camera is known, or found with certainty.
+fn is_certain(frame: &Frame) -> bool {
+    let solution = frame.solution.as_ref();
+    let confidence = solution.and_then(|solution| solution.confidence);
+    frame.ptz.is_some()
+        && (frame.status == FrameStatus::Reference
+            || confidence.is_some_and(|confidence| confidence >= CERTAIN))
+}
