@@ -29,7 +29,8 @@ use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES
 /// that were not looked at follow from those that were.
 ///
 /// Where no answer is certain, the message names a frame and the number of landmarks to click in
-/// it; a document with these clicks is taken in place of the images or the video.
+/// it, and the project is made without a camera; with these clicks it is taken in place of the images
+/// or the video.
 #[derive(clap::Args, Debug)]
 pub struct CalibrateArgs {
     /// The folder of images, the video, or a document whose camera has no base yet.
@@ -121,10 +122,20 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let labelled = match labels? {
         MatchLabels::Labelled(labelled) => labelled,
         MatchLabels::NoCamera(why) => {
-            // Dropping `new_folder` removes the folder, if this run made it.
             // Input and usage are right, so that the exit code is 1.
-            let why = why.describe(&document);
-            messages.error(&format!("{}: {why}", args.frames.display()));
+            let text = why.describe(&document);
+            messages.error(&format!("{}: {text}", args.frames.display()));
+            // The clicks are made in a project, which has no camera yet. Where clicks do not help,
+            // dropping `new_folder` removes the folder, if this run made it.
+            if why.asks_for_clicks() {
+                output.write(document, &folder)?;
+                new_folder.keep();
+                let project = args.output.display();
+                messages.note(&format!(
+                    "{project}: the frames without a camera, to click in: touchline {project}; then touchline \
+                     calibrate {project} -o {project} --force"
+                ));
+            }
             return Ok(Outcome::SomeFailed);
         }
     };

@@ -259,6 +259,9 @@ fn report_tracked(clip: &ClipSpan, tracked: &TrackedClip, messages: Messages) {
             pluralise(tracked.kept, "frame")
         ));
     }
+    if let Some(why) = &tracked.unreadable {
+        messages.note(&format!("{name}: not tracked to its end: {why}"));
+    }
     for stop in &tracked.stops {
         let why = format!(
             "only {} of {} points agree with one rotation and zoom",

@@ -168,8 +168,8 @@ impl<'a> Search<'a> {
             Err(Stop::Failed(error)) => Err(error),
             Err(Stop::Abstained(why)) => {
                 let clicks = matched.and_then(|matched| {
-                    let num_clicks = self.clicks_in_group(&matched).len();
-                    wanted_clicks(&matched, num_clicks, why.best())
+                    let clicks = self.clicks_in_group(&matched);
+                    wanted_clicks(&matched, &clicks, why.best())
                 });
                 Ok(AutocalibrationAnswer::Abstained { why, clicks })
             }

@@ -135,6 +135,15 @@ pub enum NoCamera {
 }
 
 impl NoCamera {
+    /// Whether clicks that it names would lead to an answer.
+    #[must_use]
+    pub const fn asks_for_clicks(&self) -> bool {
+        match self {
+            Self::Two { .. } => true,
+            Self::Abstained { clicks, .. } => clicks.is_some(),
+        }
+    }
+
     /// A message for the user: why no camera is given, and what would help. `document` is the one
     /// whose frames were searched.
     #[must_use]

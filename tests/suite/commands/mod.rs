@@ -17,5 +17,6 @@ pub mod relocalize_command;
 mod season_commands;
 mod synth_command;
 mod track_command;
+mod unreadable_end;
 mod unseen_length;
 mod window_command;

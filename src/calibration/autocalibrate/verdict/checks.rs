@@ -56,9 +56,11 @@ const CONTRADICTING_PX: f64 = 25.0;
 /// Landmarks of a wrong camera were 30 px off in the median (drawn clip 27 of the bowl).
 const CONFIRMING_PX: f64 = 15.0;
 
-/// Two clicks confirm a camera if their landmarks are at least this far apart, m. One end of a field
-/// can lie on its paint while the other does not …
+/// Two clicks confirm a camera if their landmarks are at least this far apart, m, or this share of the
+/// field's diagonal where that is less: no two points of a badminton court are 20 m apart. One end of
+/// a field can lie on its paint while the other does not …
 const CONFIRMING_APART_M: f64 = 20.0;
+const CONFIRMING_APART_SHARE: f64 = 0.4;
 
 /// … and if at least this number of lines is seen in the mean of all frames. Fewer leave the rest
 /// of the field open, of which clicks on two places say little: a camera on a low mast, 1.7 m off on
@@ -239,11 +241,11 @@ pub fn is_confirmed_by_clicks(
         .filter(|offset| offset.off_px_at_1920 <= CONFIRMING_PX)
         .map(|offset| offset.landmark_m)
         .collect();
-    near_m.iter().any(|one| {
-        near_m
-            .iter()
-            .any(|other| (other - one).norm() >= CONFIRMING_APART_M)
-    })
+    let field = &camera.field;
+    let diagonal_m = field.length_m.hypot(field.width_m);
+    let apart_m = CONFIRMING_APART_M.min(CONFIRMING_APART_SHARE * diagonal_m);
+    let is_far_from = |one: &Vec3| near_m.iter().any(|other| (other - one).norm() >= apart_m);
+    near_m.iter().any(is_far_from)
 }
 
 #[cfg(test)]

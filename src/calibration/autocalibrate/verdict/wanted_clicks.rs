@@ -1,13 +1,15 @@
 //! The clicks that would help a search without an answer: in which frame, how many, and on what.
 //!
 //! Two landmarks of the ground determine the poses in place of the search, or confirm what the
-//! search finds. If two did not suffice, four in one frame determine the base without the paint.
+//! search finds. If two did not suffice, four in one frame determine the base without the paint; a
+//! frame that has four already is not asked for again.
 //! The frame is the one whose paint fills the largest part of its picture, because it most likely
 //! shows landmarks far apart; where there is a best answer, of the frames that do not agree with
 //! it, because a click there says most. With that answer two landmarks can be named as well.
 
 use crate::autocalibrate::WantedClicks;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, MatchedFrames, PaintPoint};
+use crate::autocalibrate::search::clicked::GroundClick;
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
@@ -26,16 +28,19 @@ const CELLS: [f64; 2] = [16.0, 9.0];
 /// be some px off.
 const BORDER: f64 = 0.03;
 
-/// The clicks that would help, after `clicked` landmarks did not; `best` is the best answer that
-/// the search had. None if no frame shows paint.
+/// The clicks that would help, after those that there are did not, with frames numbered as in the
+/// group; `best` is the best answer that the search had. None if no frame shows paint, or all that do
+/// have clicks enough.
 pub fn wanted_clicks(
     matched: &MatchedFrames,
-    clicked: usize,
+    clicks: &[GroundClick],
     best: Option<&AutocalibratedCamera>,
 ) -> Option<WantedClicks> {
     let (frames, _) = matched.at_scale(100).ok()?;
     let paint = frames.paint.iter().enumerate();
+    let clicks_on = |number: usize| clicks.iter().filter(|click| click.frame == number).count();
     let (number, (_, filled)) = paint
+        .filter(|(number, _)| clicks_on(*number) < SUFFICIENT)
         .map(|(number, paint)| {
             let filled = cells_filled(paint, matched.image_size);
             let agrees = best.is_some_and(|best| agrees(best, matched.indices[number]));
@@ -43,7 +48,7 @@ pub fn wanted_clicks(
         })
         .rev()
         .max_by_key(|(_, rank)| *rank)?;
-    let landmarks = if clicked < FEW { FEW } else { SUFFICIENT };
+    let landmarks = if clicks.len() < FEW { FEW } else { SUFFICIENT };
     let frame = matched.indices[number];
     let named = best
         .filter(|_| landmarks == FEW)
@@ -115,15 +120,31 @@ mod tests {
     };
     use touchline_core::geometry::ImagePoint;
 
+    /// Clicks on a frame of the group.
+    fn clicks_on(frame: usize, num_clicks: usize) -> Vec<GroundClick> {
+        let click = GroundClick {
+            frame,
+            landmark: LandmarkId::from("centre_mark"),
+            image: ImagePoint::new(0.0, 0.0),
+        };
+        vec![click; num_clicks]
+    }
+
     #[test]
     fn two_clicks_are_wanted_first_and_four_after_them() {
         let views = [0, 1, 2, 3, 4, 5, 6];
         let matched = matched_views_with_pixels(&soccer().assumed, &views);
-        let first = wanted_clicks(&matched, 0, None).unwrap();
+        let first = wanted_clicks(&matched, &[], None).unwrap();
         assert_eq!(first.landmarks, 2);
         assert!(matched.indices.contains(&first.frame));
-        let next = wanted_clicks(&matched, 2, None).unwrap();
+        let number = matched.number_of(first.frame).unwrap();
+        let next = wanted_clicks(&matched, &clicks_on(number, 2), None).unwrap();
         assert_eq!((next.frame, next.landmarks), (first.frame, 4));
+        let other = wanted_clicks(&matched, &clicks_on(number, 4), None).unwrap();
+        assert_ne!(
+            other.frame, first.frame,
+            "what was given is not asked for again"
+        );
     }
 
     #[test]
@@ -131,7 +152,7 @@ mod tests {
         let (views, soccer) = ([0, 1, 2, 3, 4, 5, 6], soccer());
         let matched = matched_views_with_pixels(&soccer.assumed, &views);
         let best = hypothesis(&soccer.assumed).camera;
-        let wanted = wanted_clicks(&matched, 0, Some(&best)).unwrap();
+        let wanted = wanted_clicks(&matched, &[], Some(&best)).unwrap();
         let [one, other] = wanted.named.as_slice() else {
             panic!("{wanted:?}");
         };
@@ -148,7 +169,7 @@ mod tests {
         }
         // Four clicks determine a camera without that answer.
         assert!(
-            wanted_clicks(&matched, 2, Some(&best))
+            wanted_clicks(&matched, &clicks_on(0, 2), Some(&best))
                 .unwrap()
                 .named
                 .is_empty()
@@ -157,7 +178,7 @@ mod tests {
 
     #[test]
     fn where_no_frame_shows_paint_no_click_is_wanted() {
-        assert_eq!(wanted_clicks(&matched_views(), 0, None), None);
+        assert_eq!(wanted_clicks(&matched_views(), &[], None), None);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Tracked points and paint of a clip's pictures, kept for the next adjustment of the clip.
 
+use super::frames::ClipFrames;
 use super::paint::PaintAlignmentOutcome;
 use std::collections::BTreeMap;
 use touchline_core::camera::{AngularDistance, Ptz};
@@ -13,6 +14,8 @@ use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClipEvidence {
     followed: Option<Followed>,
+    /// Why no more pictures of the clip could be read than points were tracked through.
+    unreadable: Option<String>,
     /// The camera and the field with which the paint was found.
     seen_with: Option<(ClipCamera, FieldModel)>,
     paint: BTreeMap<usize, CameraPaintVerdict>,
@@ -97,6 +100,33 @@ impl ClipEvidence {
             }),
             ..Self::default()
         };
+    }
+
+    /// Replaces all evidence by points that were tracked up to a picture that could not be read.
+    pub(super) fn begin_readable(
+        &mut self,
+        mut pictures: FollowedPictures,
+        masks: &[Vec<PixelBox>],
+        tracks: PointTracks,
+        why: String,
+    ) {
+        pictures.sources.truncate(tracks.frames);
+        let masks = masks[..tracks.frames].to_vec();
+        self.begin(pictures, masks, tracks);
+        self.unreadable = Some(why);
+    }
+
+    /// The first frames of a clip if no more of it could be read, and why.
+    pub(super) fn readable_part(&self, clip: &ClipFrames) -> Option<(ClipFrames, String)> {
+        let sources = &self.followed.as_ref()?.pictures.sources;
+        let first = clip.frames.get(..sources.len())?;
+        let is_same = first.iter().map(|frame| &frame.source).eq(sources);
+        let part = ClipFrames {
+            camera: clip.camera.clone(),
+            frames: first.to_vec(),
+        };
+        let why = self.unreadable.clone()?;
+        (is_same && first.len() < clip.frames.len()).then_some((part, why))
     }
 
     /// Discards the paint if it was found with another base, other lenses or another field.

@@ -99,20 +99,24 @@ impl ClipPictures<'_> {
         if let Some(tracks) = evidence.tracks(&pictures, &masks) {
             return Ok(tracks);
         }
-        let tracks = self.follow_afresh(reader, options, &masks, progress)?;
+        let (tracks, unreadable) = self.follow_afresh(reader, options, &masks, progress)?;
+        if let Some(error) = unreadable {
+            evidence.begin_readable(pictures, &masks, tracks, error.to_string());
+            return Err(error.into());
+        }
         evidence.begin(pictures, masks, tracks.clone());
         Ok(tracks)
     }
 
-    /// Tracks points through all pictures, which are read in order. While points are tracked in one
-    /// picture, the next is read.
+    /// Tracks points through all pictures, which are read in order, up to the first that cannot be
+    /// read, with the reason. While points are tracked in one picture, the next is read.
     fn follow_afresh(
         &self,
         reader: &mut dyn ReadFrames,
         options: &TrackClipOptions,
         masks: &[Vec<PixelBox>],
         progress: &Progress<'_, ClipProgress>,
-    ) -> Result<PointTracks, TrackClipError> {
+    ) -> Result<(PointTracks, Option<MediaError>), TrackClipError> {
         let mut follower = PointFollower::new(self.size, options.follow);
         let mut frames =
             FrameStream::new(self.clip.frames.iter().map(|frame| frame.source.clone()))
@@ -126,7 +130,13 @@ impl ClipPictures<'_> {
             let Some(StreamedFrame { source, picture }) = next else {
                 break;
             };
-            let picture = self.check_size(&source, picture)?;
+            let picture = match self.check_size(&source, picture) {
+                // A single picture is nothing to track through.
+                Err(TrackClipError::Media(error)) if follower.frames() > 1 => {
+                    return Ok((follower.into_tracks(), Some(error)));
+                }
+                picture => picture?,
+            };
             let mut ended: Result<usize, TrackError> = Ok(0);
             // Decoding the next picture overlaps with tracking through this one.
             next = frames.next_during(|| ended = follower.add(&picture, masks));
@@ -137,7 +147,7 @@ impl ClipPictures<'_> {
         if progress.is_cancelled() {
             return Err(TrackClipError::Stopped);
         }
-        Ok(follower.into_tracks())
+        Ok((follower.into_tracks(), None))
     }
 
     /// The pictures that are read again after the points were tracked, to search their paint:

@@ -84,6 +84,8 @@ pub struct TrackedClip {
     /// Frames of the document that were not reached, have no camera and were not decided on by a
     /// person, by their indices.
     pub missed: Vec<usize>,
+    /// Why the pictures from some frame on could not be read; these are among the missed ones.
+    pub unreadable: Option<String>,
     /// Number of frames that keep their earlier camera because it explains their paint better than
     /// the tracked one.
     pub kept: usize,
@@ -104,15 +106,12 @@ pub struct TrackedClip {
     pub raw_jitter: Option<Jitter>,
 }
 
-/// Tracks the known cameras of a clip to its other frames. Frames that people decided on keep their
-/// cameras. Tracked points and paint are added to `evidence`; what it already contains for the same
-/// pictures is not computed again.
+/// Tracks the known cameras of a clip to its other frames, all of which can be read; see
+/// [`track_clip`](super::track_clip).
 ///
 /// # Errors
-/// [`TrackClipError`]: the clip's camera has no base, no frame has a camera, a picture cannot be
-/// read or has another size, points cannot be tracked, the known cameras do not determine the
-/// others, or the tracking was cancelled.
-pub fn track_clip(
+/// As there; a picture that cannot be read is one.
+pub(super) fn track_readable(
     at: DocumentAt<'_>,
     clip: &ClipFrames,
     field: &FieldModel,
@@ -202,6 +201,7 @@ pub fn track_clip(
         frames: Vec::new(),
         references: Vec::new(),
         missed: Vec::new(),
+        unreadable: None,
         kept: 0,
         stops: stops(clip, &propagated),
         sigma_px: adjusted.sigma_px,

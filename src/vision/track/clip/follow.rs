@@ -84,6 +84,12 @@ impl PointFollower {
         }
     }
 
+    /// Number of pictures that the points were tracked through.
+    #[must_use]
+    pub const fn frames(&self) -> usize {
+        self.tracks.frames
+    }
+
     /// All tracks so far.
     #[must_use]
     pub fn into_tracks(self) -> PointTracks {

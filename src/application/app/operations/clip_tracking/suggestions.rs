@@ -166,6 +166,7 @@ mod tests {
                 frames: Vec::new(),
                 references: Vec::new(),
                 missed: vec![1],
+                unreadable: None,
                 kept: 0,
                 stops: Vec::new(),
                 sigma_px: 0.5,
