@@ -239,8 +239,10 @@ fn carry_few(
             continue;
         }
         // The estimate that follows says why the clicks give no base.
-        if give_first_base(document, folder, camera, options).is_err() {
-            continue;
+        match give_first_base(document, folder, camera, options) {
+            Ok(Some(names)) => messages.note(&format!("{camera}: {names}; they are renamed")),
+            Ok(None) => {}
+            Err(_) => continue,
         }
         let known = pluralise(known, "frame");
         messages.note(&format!(

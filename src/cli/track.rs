@@ -187,6 +187,9 @@ impl TrackingReport {
             TrackingEvent::Refining(_) => {
                 self.bar.of("Refining the base on painted lines", 1);
             }
+            TrackingEvent::Renamed(camera, names) => {
+                messages.note(&format!("{camera}: {names}; they are renamed"));
+            }
             TrackingEvent::Tracked(clip, tracked) => report_tracked(&clip, &tracked, messages),
             TrackingEvent::Failed(clip, error) => {
                 messages.frame_failed(&name_of(&clip), &error.to_string());

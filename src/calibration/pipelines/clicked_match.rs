@@ -13,7 +13,9 @@ use super::forest_labels::{ForestRequest, PictureFiles, label_frames, learn_fore
 use super::match_labels::{
     LabelMatchError, LabelledMatch, Labelling, MatchEvent, frames_without_camera,
 };
-use super::track_clips::{TrackingOptions, give_first_base, mean_confidence, track_clips};
+use super::track_clips::{
+    TrackingEvent, TrackingOptions, give_first_base, mean_confidence, track_clips,
+};
 use crate::calibrate::{ClipEvidence, ClipFrames, clips};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions};
 use touchline_core::geometry::subsample;
@@ -43,8 +45,12 @@ impl Labelling<'_> {
     ) -> Result<Option<LabelledMatch>, LabelMatchError> {
         let mut trial = self.document.clone();
         let options = BaseOptions::default();
-        if give_first_base(&mut trial, self.folder, camera, &options).is_err() {
+        let Ok(renamed) = give_first_base(&mut trial, self.folder, camera, &options) else {
             return Ok(None);
+        };
+        if let Some(names) = renamed {
+            let event = TrackingEvent::Renamed(camera.clone(), names);
+            let _ = self.progress.report(MatchEvent::Tracking(event));
         }
         let open = frames_without_camera(&trial);
         let clips = clips(trial.at(self.folder), None);

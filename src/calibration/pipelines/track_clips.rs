@@ -7,8 +7,8 @@
 
 use crate::calibrate::{
     BaseEstimationError, BasePaintEvidence, BaseProblem, ClipEvidence, ClipFrames, ClipProgress,
-    ClipSpan, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip, estimate_on_paint,
-    record_tracked, take_length, track_clip,
+    ClipSpan, EndNames, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip,
+    estimate_on_paint, record_tracked, rename_behind_an_end, take_length, track_clip,
 };
 use crate::proposals::read_picture;
 use std::collections::{BTreeMap, BTreeSet};
@@ -45,6 +45,9 @@ pub struct TrackingOptions {
 pub enum TrackingEvent {
     /// Tracking of a clip starts.
     Begun(ClipSpan),
+    /// The clicks of a camera were named as they look from behind an end, and have the template's
+    /// names now.
+    Renamed(CameraId, EndNames),
     /// Progress within the clip.
     Progress(ClipProgress),
     /// The base of a camera is being refined on the painted lines of the frames.
@@ -101,8 +104,15 @@ pub fn track_clips(
         for camera in cameras_of(clips) {
             // Why a camera gets no base is reported with its clips, where the user looks for their
             // cameras.
-            let given = give_first_base(document, folder, camera, &BaseOptions::default());
-            without_base.extend(given.err().map(|why| (camera, why)));
+            match give_first_base(document, folder, camera, &BaseOptions::default()) {
+                Ok(None) => {}
+                Ok(Some(names)) => {
+                    let _ = progress.report(TrackingEvent::Renamed(camera.clone(), names));
+                }
+                Err(why) => {
+                    without_base.insert(camera, why);
+                }
+            }
         }
     }
     let mut tracking = Tracking {
@@ -136,7 +146,8 @@ pub fn track_clips(
     })
 }
 
-/// Gives a camera that has no base one from its clicks, and solves its frames with it.
+/// Gives a camera that has no base one from its clicks, and solves its frames with it. Clicks that
+/// are named as they look from behind an end get the template's names, which are returned.
 ///
 /// # Errors
 /// The clicks give no base, or the camera's field is not valid.
@@ -145,13 +156,22 @@ pub fn give_first_base(
     folder: &Path,
     camera: &CameraId,
     options: &BaseOptions,
-) -> Result<(), BaseEstimationError> {
+) -> Result<Option<EndNames>, BaseEstimationError> {
     if document.camera(camera).and_then(Camera::base).is_some() {
-        return Ok(());
+        return Ok(None);
     }
     let problem = BaseProblem::from_document(document.at(folder), camera)?;
-    let estimated = problem.estimate(document, options, &Progress::default())?;
-    estimated.write_to(document, folder)
+    let (estimated, renamed) = match problem.estimate(document, options, &Progress::default()) {
+        Err(BaseEstimationError::NamedBehindAnEnd { names, .. }) => {
+            rename_behind_an_end(document, camera, &problem.field);
+            let problem = BaseProblem::from_document(document.at(folder), camera)?;
+            let estimated = problem.estimate(document, options, &Progress::default())?;
+            (estimated, Some(names))
+        }
+        estimated => (estimated?, None),
+    };
+    estimated.write_to(document, folder)?;
+    Ok(renamed)
 }
 
 fn cameras_of(clips: &[ClipFrames]) -> BTreeSet<&CameraId> {

@@ -10,6 +10,7 @@ mod build;
 mod builtin;
 mod crown;
 mod element;
+mod end_names;
 mod error;
 mod expression;
 mod file;

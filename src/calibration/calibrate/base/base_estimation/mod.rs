@@ -1,5 +1,6 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
+mod end_names;
 mod estimated_base;
 mod landmark_fit;
 #[cfg(test)]
@@ -8,6 +9,7 @@ mod tests;
 use super::own_cameras::cameras_from_lines;
 use crate::calibrate::base_readiness::LANDMARKS_ALONE;
 use crate::calibrate::observations;
+pub use end_names::{EndNames, rename_behind_an_end};
 pub use estimated_base::EstimatedBase;
 pub use landmark_fit::LandmarkFit;
 use thiserror::Error;
@@ -46,6 +48,14 @@ pub enum BaseEstimationError {
     /// The clicks do not determine a base.
     #[error(transparent)]
     Base(#[from] BaseError),
+    /// They do once their names are read as they look from behind an end.
+    #[error("camera {camera:?}: {names}; rename them, then they give a base")]
+    NamedBehindAnEnd {
+        /// The camera's name.
+        camera: String,
+        /// The names to change.
+        names: EndNames,
+    },
 }
 
 /// The input for estimating the base of a camera: its frames with their clicks.
@@ -175,8 +185,25 @@ impl BaseProblem {
     /// Estimates the base. `document` is the one that the clicks were gathered from.
     ///
     /// # Errors
-    /// The clicks give no base, or it was cancelled.
+    /// The clicks give no base, also because they are named as they look from behind an end, or it
+    /// was cancelled.
     pub fn estimate(
+        &self,
+        document: &Document,
+        options: &BaseOptions,
+        progress: &Progress<'_, BaseProgress>,
+    ) -> Result<EstimatedBase, BaseEstimationError> {
+        let found = self.estimate_as_named(document, options, progress);
+        match self.names_behind_an_end(document, found.as_ref(), options) {
+            Some(names) => Err(BaseEstimationError::NamedBehindAnEnd {
+                camera: self.camera.as_str().to_owned(),
+                names,
+            }),
+            None => found,
+        }
+    }
+
+    fn estimate_as_named(
         &self,
         document: &Document,
         options: &BaseOptions,
