@@ -162,7 +162,7 @@ pub fn give_first_base(
     }
     let problem = BaseProblem::from_document(document.at(folder), camera)?;
     let (estimated, renamed) = match problem.estimate(document, options, &Progress::default()) {
-        Err(BaseEstimationError::NamedBehindAnEnd { names, .. }) => {
+        Err(BaseEstimationError::NamedBehindAnEnd(names)) => {
             rename_behind_an_end(document, camera, &problem.field);
             let problem = BaseProblem::from_document(document.at(folder), camera)?;
             let estimated = problem.estimate(document, options, &Progress::default())?;

@@ -211,7 +211,7 @@ mod tests {
                 problem.estimate(document, &BaseOptions::default(), &Progress::default())
             };
             let error = estimate(&document).unwrap_err();
-            let BaseEstimationError::NamedBehindAnEnd { names, .. } = &error else {
+            let BaseEstimationError::NamedBehindAnEnd(names) = &error else {
                 panic!("{template}: {error}");
             };
             let num_named = document.frames[0].clicks.len();

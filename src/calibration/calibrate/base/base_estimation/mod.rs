@@ -49,13 +49,8 @@ pub enum BaseEstimationError {
     #[error(transparent)]
     Base(#[from] BaseError),
     /// They do once their names are read as they look from behind an end.
-    #[error("camera {camera:?}: {names}; rename them, then they give a base")]
-    NamedBehindAnEnd {
-        /// The camera's name.
-        camera: String,
-        /// The names to change.
-        names: EndNames,
-    },
+    #[error("{0}; rename them, then they give a base")]
+    NamedBehindAnEnd(EndNames),
 }
 
 /// The input for estimating the base of a camera: its frames with their clicks.
@@ -195,10 +190,7 @@ impl BaseProblem {
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let found = self.estimate_as_named(document, options, progress);
         match self.names_behind_an_end(document, found.as_ref(), options) {
-            Some(names) => Err(BaseEstimationError::NamedBehindAnEnd {
-                camera: self.camera.as_str().to_owned(),
-                names,
-            }),
+            Some(names) => Err(BaseEstimationError::NamedBehindAnEnd(names)),
             None => found,
         }
     }
