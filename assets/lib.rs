@@ -30,6 +30,14 @@ pub const FIELDS: &[(&str, &str)] = &[
     ("tennis", include_str!("fields/tennis.json")),
     ("volleyball", include_str!("fields/volleyball.json")),
     ("handball", include_str!("fields/handball.json")),
+    ("badminton", include_str!("fields/badminton.json")),
+    ("pickleball", include_str!("fields/pickleball.json")),
+    ("padel", include_str!("fields/padel.json")),
+    (
+        "beach_volleyball",
+        include_str!("fields/beach_volleyball.json"),
+    ),
+    ("field_hockey", include_str!("fields/field_hockey.json")),
 ];
 
 /// The JSON Schema of documents.

@@ -62,7 +62,7 @@ pub struct Sport {
 }
 
 /// All sports with built-in field templates.
-pub const SPORTS: [Sport; 8] = [
+pub const SPORTS: [Sport; 13] = [
     sport("soccer", "Soccer", Ground::Turf, YELLOW),
     sport(
         "american_football",
@@ -76,6 +76,11 @@ pub const SPORTS: [Sport; 8] = [
     sport("futsal", "Futsal", Ground::Wood, CYAN),
     sport("ice_hockey", "Ice hockey", Ground::Ice, ORANGE),
     sport("tennis", "Tennis", Ground::Painted, YELLOW),
+    sport("badminton", "Badminton", Ground::Painted, YELLOW),
+    sport("pickleball", "Pickleball", Ground::Painted, YELLOW),
+    sport("padel", "Padel", Ground::Painted, YELLOW),
+    sport("beach_volleyball", "Beach volleyball", Ground::Wood, CYAN),
+    sport("field_hockey", "Field hockey", Ground::Painted, YELLOW),
 ];
 
 const fn sport(id: &'static str, name: &'static str, ground: Ground, colour: [u8; 3]) -> Sport {

@@ -176,9 +176,11 @@ fn parameters_outside_the_rules_are_named() {
     );
     assert_eq!(
         builtin("curling").unwrap_err().to_string(),
-        "no field template is named \"curling\"; built in are soccer, futsal, basketball_fiba, basketball_nba, \
-         basketball_ncaa, ice_hockey_iihf, ice_hockey_nhl, american_football_nfl, american_football_ncaa, tennis, volleyball, \
-         handball; a template of your own is given as a path ending in .json"
+        format!(
+            "no field template is named \"curling\"; built in are {}; a template of your own is given as a path \
+             ending in .json",
+            builtin_names().join(", ")
+        )
     );
 }
 
@@ -425,6 +427,60 @@ fn american_football_is_where_nfl_and_ncaa_put_it() {
         &[("upright_near_left_top", [-60.0 * YD, -9.25 * FT, 35.0 * FT])],
     );
     assert_landmarks(&ncaa, &[("try_mark_left", [-47.0 * YD, 0.0, 0.0])]);
+}
+
+#[test]
+fn badminton_pickleball_padel_beach_volleyball_and_field_hockey_are_where_their_rules_put_them() {
+    assert_landmarks(
+        &model("badminton"),
+        &[
+            ("corner_far_left", [-6.7, 3.05, 0.0]),
+            ("singles_near_right", [6.7, -2.59, 0.0]),
+            ("long_service_far_right", [5.94, 3.05, 0.0]),
+            ("short_service_t_left", [-1.98, 0.0, 0.0]),
+            ("net_post_near_top", [0.0, -3.05, 1.55]),
+        ],
+    );
+    // Both edges of the short service line are within the service court.
+    let badminton = model("badminton");
+    let mut lines = badminton.lines.iter();
+    let short = lines
+        .find(|line| line.id.as_str() == "short_service_line_right")
+        .unwrap();
+    assert!((short.paint_centre.point_at(0.5).x - 2.0).abs() < 1e-9);
+    assert_landmarks(
+        &model("pickleball"),
+        &[
+            ("corner_near_left", [-22.0 * FT, -10.0 * FT, 0.0]),
+            ("non_volley_t_right", [7.0 * FT, 0.0, 0.0]),
+            ("net_post_far_top", [0.0, 11.0 * FT, 3.0 * FT]),
+        ],
+    );
+    assert_landmarks(
+        &model("padel"),
+        &[
+            ("fence_top_near_right", [10.0, -5.0, 4.0]),
+            ("service_far_left", [-6.95, 5.0, 0.0]),
+            ("centre_line_end_right", [7.15, 0.0, 0.0]),
+        ],
+    );
+    assert_landmarks(
+        &model("beach_volleyball"),
+        &[
+            ("corner_far_right", [8.0, 4.0, 0.0]),
+            ("antenna_near_top", [0.0, -4.0, 3.23]),
+        ],
+    );
+    assert_landmarks(
+        &model("field_hockey"),
+        &[
+            ("line_23_near_left", [-22.8, -27.5, 0.0]),
+            ("circle_far_right_back_line", [45.7, 16.46, 0.0]),
+            ("circle_near_left_front", [-31.07, -1.83, 0.0]),
+            ("penalty_spot_right", [39.225, 0.0, 0.0]),
+            ("post_far_left_top", [-45.7, 1.83, 2.14]),
+        ],
+    );
 }
 
 #[test]

@@ -63,7 +63,7 @@ impl App {
 /// The field template that a file's name suggests, if any.
 pub(super) fn guess_template(name: &str) -> Option<&'static str> {
     /// Words in names, and the templates that they suggest. Special ones precede general ones.
-    const WORDS: [(&str, &str); 20] = [
+    const WORDS: [(&str, &str); 23] = [
         ("nba", "basketball_nba"),
         ("wnba", "basketball_nba"),
         ("ncaab", "basketball_ncaa"),
@@ -83,6 +83,9 @@ pub(super) fn guess_template(name: &str) -> Option<&'static str> {
         ("futsal", "futsal"),
         ("handball", "handball"),
         ("tennis", "tennis"),
+        ("badminton", "badminton"),
+        ("pickleball", "pickleball"),
+        ("padel", "padel"),
         ("volleyball", "volleyball"),
     ];
     // Whole words first: "wnba" contains "nba", and "nfl" would be found in "influence".
