@@ -46,8 +46,6 @@ pub(super) struct ClipFit<'a> {
     /// The cameras that the document already has, as pose priors.
     pub known: &'a [PosePrior],
     pub pictures: ClipPictures<'a>,
-    /// Whether the field's size was estimated from paint. An assumed or typed size may be wrong.
-    pub is_size_fitted: bool,
     pub options: &'a TrackClipOptions,
 }
 
@@ -122,7 +120,7 @@ impl ClipFit<'_> {
             }
         }
         // The last adjustment moved the frames once more, so the answers of the loop do not apply.
-        let paint_verdicts = self.judge(&adjusted, reader, evidence, progress)?;
+        let paint_verdicts = self.judge(&adjusted, reader, progress)?;
         Ok(FittedClip {
             adjusted,
             by_points,
@@ -202,7 +200,6 @@ impl ClipFit<'_> {
         &self,
         adjusted: &AdjustedClip,
         reader: &mut dyn ReadFrames,
-        evidence: &ClipEvidence,
         progress: &Progress<'_, ClipProgress>,
     ) -> Result<PaintVerdicts, TrackClipError> {
         let paint = vec![PaintVerdict::Silent; adjusted.frames.len()];
@@ -222,7 +219,7 @@ impl ClipFit<'_> {
             report(progress, ClipProgress::Painting(done, queries.len()))?;
             verdicts.push((
                 frame,
-                self.judge_frame(reader, evidence, (frame, ptz), &mut paint_verdicts)?,
+                self.judge_frame(reader, (frame, ptz), &mut paint_verdicts)?,
             ));
         }
         // Second pass: where the verdict changes between two searched frames, whatever spoilt the
@@ -245,7 +242,7 @@ impl ClipFit<'_> {
             };
             verdicts.push((
                 frame,
-                self.judge_frame(reader, evidence, (frame, at.ptz), &mut paint_verdicts)?,
+                self.judge_frame(reader, (frame, at.ptz), &mut paint_verdicts)?,
             ));
         }
         // Each verdict also applies to the unchecked frames after it, for at most `paint_every`
@@ -266,7 +263,6 @@ impl ClipFit<'_> {
     fn judge_frame(
         &self,
         reader: &mut dyn ReadFrames,
-        evidence: &ClipEvidence,
         (frame, ptz): (usize, Ptz),
         paint_verdicts: &mut PaintVerdicts,
     ) -> Result<PaintVerdict, TrackClipError> {
@@ -276,21 +272,15 @@ impl ClipFit<'_> {
             .find(|anchor| anchor.frame == frame)
             .map(|anchor| anchor.ptz);
         let other = earlier.filter(|earlier| self.apart(*earlier, ptz) > ALIKE_PX);
-        // The verdict of the last round is reused if the frame has hardly moved since. It is not
-        // where the field's size was not fitted: only a full check shows that the paint fits a
-        // field of another length.
-        let known = self
-            .verdict_by_evidence(evidence, frame, ptz)
-            .filter(|_| self.is_size_fitted);
-        if let (Some(verdict), None) = (known, other) {
-            return Ok(verdict);
-        }
+        // The verdict of the last round is not enough even where the frame has hardly moved since: a
+        // camera is aligned to most of the paint, and one line that it does not explain shows a field
+        // of another size.
         let (check, keeps_earlier) = self.look_again(reader, frame, ptz, other)?;
         if keeps_earlier {
             paint_verdicts.kept.insert(frame);
         }
-        paint_verdicts.is_of_other_field |= self.is_of_other_field(&check);
-        Ok(known.unwrap_or_else(|| self.verdict_of(&check)))
+        paint_verdicts.is_of_other_field |= check.is_of_other_field();
+        Ok(verdict_of(&check))
     }
 
     /// Checks a frame's adjusted camera against its picture, and whether its earlier camera
@@ -315,38 +305,14 @@ impl ClipFit<'_> {
         let keeps_earlier = earlier.is_some_and(|earlier| !may_replace(&check(earlier), &now));
         Ok((now, keeps_earlier))
     }
+}
 
-    /// The verdict that follows from a line check.
-    fn verdict_of(&self, check: &LineCheck) -> PaintVerdict {
-        match check.verdict() {
-            _ if self.is_of_other_field(check) => PaintVerdict::Contradicts,
-            LineVerdict::Supports => PaintVerdict::Agrees,
-            LineVerdict::Contradicts => PaintVerdict::Contradicts,
-            LineVerdict::CannotSay => PaintVerdict::Silent,
-        }
-    }
-
-    /// Whether a line check finds a field of another length than the one assumed or typed.
-    fn is_of_other_field(&self, check: &LineCheck) -> bool {
-        !self.is_size_fitted && check.is_of_other_field()
-    }
-
-    /// The stored verdict on a camera at most [`ALIKE_PX`] from this one; none if only other
-    /// cameras were checked.
-    fn verdict_by_evidence(
-        &self,
-        evidence: &ClipEvidence,
-        frame: usize,
-        ptz: Ptz,
-    ) -> Option<PaintVerdict> {
-        match evidence.paint(frame, ptz, self.pictures.size)? {
-            // The alignment is evidence for the camera where it ended, not for the one where it
-            // began.
-            PaintAlignmentOutcome::Snapped(anchor) => {
-                (self.apart(anchor.ptz, ptz) <= ALIKE_PX).then_some(PaintVerdict::Agrees)
-            }
-            PaintAlignmentOutcome::Contradicts => Some(PaintVerdict::Contradicts),
-            PaintAlignmentOutcome::Open => Some(PaintVerdict::Silent),
-        }
+/// The verdict that follows from a line check.
+fn verdict_of(check: &LineCheck) -> PaintVerdict {
+    match check.verdict() {
+        _ if check.is_of_other_field() => PaintVerdict::Contradicts,
+        LineVerdict::Supports => PaintVerdict::Agrees,
+        LineVerdict::Contradicts => PaintVerdict::Contradicts,
+        LineVerdict::CannotSay => PaintVerdict::Silent,
     }
 }

@@ -19,7 +19,7 @@ use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 use touchline_core::solve::Uncertainty;
-use touchline_documents::document::{Document, DocumentAt, FieldSize, FrameStatus};
+use touchline_documents::document::{Document, DocumentAt, FrameStatus};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::track::{
     AdjustedClip, ClipCamera, ClipLens, Jitter, PosePrior, PropagatedClip, SmoothOptions,
@@ -151,7 +151,6 @@ pub(super) fn track_readable(
     let anchors: Vec<PosePrior> = known.iter().map(|(anchor, _)| *anchor).collect();
     let propagated = propagate(&camera, &tracks, &anchors, &options.propagate);
     let spec = document.field_of_camera(&clip.camera);
-    let is_size_fitted = *spec.size() == FieldSize::Fitted;
     let fit = ClipFit {
         camera: &camera,
         field,
@@ -159,7 +158,6 @@ pub(super) fn track_readable(
         propagated: &propagated,
         known: &anchors,
         pictures,
-        is_size_fitted,
         options,
     };
     let FittedClip {
