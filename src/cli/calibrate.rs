@@ -29,8 +29,8 @@ use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES
 /// that were not looked at follow from those that were.
 ///
 /// Where no answer is certain, the message names a frame and the number of landmarks to click in
-/// it, and the project is made without a camera; with these clicks it is taken in place of the images
-/// or the video.
+/// it, and the project is made without a camera; with these clicks it is taken in place of the
+/// images or the video.
 #[derive(clap::Args, Debug)]
 pub struct CalibrateArgs {
     /// The folder of images, the video, or a document whose camera has no base yet.

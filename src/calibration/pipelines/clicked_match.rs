@@ -1,10 +1,10 @@
 //! Labelling a match whose clicks determine its camera: no search is needed.
 //!
 //! 1. The clicks give the base, as for one frame with four landmarks they do.
-//! 2. The shots with clicks are tracked from the clicked frames, and the base is refined on the paint
-//!    of all their frames.
-//! 3. A forest learns from the tracked frames and is queried for some frames of the other shots; the
-//!    shots in which it is certain are tracked from these.
+//! 2. The shots with clicks are tracked from the clicked frames, and the base is refined on the
+//!    paint of all their frames.
+//! 3. A forest learns from the tracked frames and is queried for some frames of the other shots;
+//!    the shots in which it is certain are tracked from these.
 //!
 //! The paint judges what the clicks say: where the tracked frames do not lie on it, nothing is
 //! answered, and the search of [`label_match`](super::label_match) follows.
@@ -107,8 +107,8 @@ impl Labelling<'_> {
         Ok(())
     }
 
-    /// Queries a forest that learns from the tracked frames for some of the frames that tracking did
-    /// not reach. True if it is certain of any.
+    /// Queries a forest that learns from the tracked frames for some of the frames that tracking
+    /// did not reach. True if it is certain of any.
     fn label_other_shots(&mut self, document: &mut Document) -> Result<bool, LabelMatchError> {
         let open: Vec<usize> = subsample(frames_without_camera(document), MAX_ASKED).collect();
         if open.is_empty() || self.progress.is_cancelled() {

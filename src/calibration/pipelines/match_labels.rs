@@ -229,8 +229,8 @@ pub enum LabelMatchError {
 }
 
 /// Labels the frames of a document that has no cameras yet: finds `camera`, to which they all are
-/// assigned, from the clicks in them or without any, and the other cameras among them, and writes the cameras of all frames as suggestions.
-/// `folder` is where the document's relative paths start.
+/// assigned, from the clicks in them or without any, and the other cameras among them, and writes
+/// the cameras of all frames as suggestions. `folder` is where the document's relative paths start.
 ///
 /// # Errors
 /// The field is not valid, features cannot be found, no forest can be trained, or `progress`

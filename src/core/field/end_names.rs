@@ -1,16 +1,16 @@
 //! The names of a field as they look from behind its end.
 //!
-//! Templates name near, far, left and right for a camera in the main stand. Who clicks a picture from
-//! behind the left end and names it as it looks calls the left end near, and the far side left:
-//! `corner_near_left` is what templates call `corner_far_left`. From behind the right end it is the
-//! same, as fields look alike after half a turn.
+//! Templates name near, far, left and right for a camera in the main stand. Who clicks a picture
+//! from behind the left end and names it as it looks calls the left end near, and the far side
+//! left: `corner_near_left` is what templates call `corner_far_left`. From behind the right end it
+//! is the same, as fields look alike after half a turn.
 
 use super::{FieldElement, FieldModel, LandmarkId, LineId};
 
 impl FieldElement {
     /// The element that is meant by the name of this one if it was given as the picture looks from
-    /// behind an end. The same where its name says nothing of both directions, or where the field has
-    /// no such element.
+    /// behind an end. The same where its name says nothing of both directions, or where the field
+    /// has no such element.
     #[must_use]
     pub fn named_behind_an_end(self, field: &FieldModel) -> Self {
         let named = |id: &str, of: &dyn Fn(&str) -> Option<Self>| {

@@ -1,4 +1,5 @@
-//! A clip whose last pictures cannot be read, as of a video that states more frames than it decodes.
+//! A clip whose last pictures cannot be read, as of a video that states more frames than it
+//! decodes.
 #![cfg(feature = "opencv")]
 
 use crate::drawn_clip::{drawn_clip, landmark_errors_px};

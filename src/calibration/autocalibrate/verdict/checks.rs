@@ -56,9 +56,9 @@ const CONTRADICTING_PX: f64 = 25.0;
 /// Landmarks of a wrong camera were 30 px off in the median (drawn clip 27 of the bowl).
 const CONFIRMING_PX: f64 = 15.0;
 
-/// Two clicks confirm a camera if their landmarks are at least this far apart, m, or this share of the
-/// field's diagonal where that is less: no two points of a badminton court are 20 m apart. One end of
-/// a field can lie on its paint while the other does not …
+/// Two clicks confirm a camera if their landmarks are at least this far apart, m, or this share of
+/// the field's diagonal where that is less: no two points of a badminton court are 20 m apart. One
+/// end of a field can lie on its paint while the other does not …
 const CONFIRMING_APART_M: f64 = 20.0;
 const CONFIRMING_APART_SHARE: f64 = 0.4;
 

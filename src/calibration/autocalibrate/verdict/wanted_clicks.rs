@@ -29,8 +29,8 @@ const CELLS: [f64; 2] = [16.0, 9.0];
 const BORDER: f64 = 0.03;
 
 /// The clicks that would help, after those that there are did not, with frames numbered as in the
-/// group; `best` is the best answer that the search had. None if no frame shows paint, or all that do
-/// have clicks enough.
+/// group; `best` is the best answer that the search had. None if no frame shows paint, or all that
+/// do have clicks enough.
 pub fn wanted_clicks(
     matched: &MatchedFrames,
     clicks: &[GroundClick],

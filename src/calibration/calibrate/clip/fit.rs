@@ -272,9 +272,9 @@ impl ClipFit<'_> {
             .find(|anchor| anchor.frame == frame)
             .map(|anchor| anchor.ptz);
         let other = earlier.filter(|earlier| self.apart(*earlier, ptz) > ALIKE_PX);
-        // The verdict of the last round is not enough even where the frame has hardly moved since: a
-        // camera is aligned to most of the paint, and one line that it does not explain shows a field
-        // of another size.
+        // The verdict of the last round is not enough even where the frame has hardly moved since:
+        // a camera is aligned to most of the paint, and one line that it does not explain shows a
+        // field of another size.
         let (check, keeps_earlier) = self.look_again(reader, frame, ptz, other)?;
         if keeps_earlier {
             paint_verdicts.kept.insert(frame);

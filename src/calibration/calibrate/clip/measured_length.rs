@@ -4,9 +4,9 @@
 //! from there are right at that part only. As soon as some of them show another part, their paint
 //! determines the length: it is searched over all lengths that the rules allow, each with the base
 //! moved along with what the known cameras saw so that this projects as before. The right length
-//! puts the other lines onto their paint. The frames keep pan, tilt and focal length. These come from
-//! tracked points alone: a camera that was aligned to the paint in question, with the assumed length,
-//! has turned by most of the length's error, and confirms what was assumed.
+//! puts the other lines onto their paint. The frames keep pan, tilt and focal length. These come
+//! from tracked points alone: a camera that was aligned to the paint in question, with the assumed
+//! length, has turned by most of the length's error, and confirms what was assumed.
 
 use super::unseen_size::{UnseenSize, is_size_stated, move_base};
 use crate::calibrate::base::field_size::set_field_size;
@@ -106,9 +106,9 @@ pub(in crate::calibrate) fn measure_length(
     let lengths = steps(from_m, to_m, FINE_SHARE * param.assumed_m);
     let table = rate(&lengths);
     let value_m = lengths[index_of_largest(means_of_rows(&table).into_iter())];
-    // The σ is the scatter of the single frames' best lengths, or what the directions of their cameras leave open if that
-    // is more. Neither is divided by √n, since errors of the base are common to all frames, and
-    // neighbours have been tracked along the same points.
+    // The σ is the scatter of the single frames' best lengths, or what the directions of their
+    // cameras leave open if that is more. Neither is divided by √n, since errors of the base are
+    // common to all frames, and neighbours have been tracked along the same points.
     let squares: Vec<f64> = (0..looks.len())
         .filter_map(|look| Some((peak_of(&lengths, &table, look)? - value_m).powi(2)))
         .collect();

@@ -17,8 +17,8 @@ use touchline_vision::media::ReadFrames;
 ///
 /// # Errors
 /// [`TrackClipError`]: the clip's camera has no base, no frame that can be read has a camera, a
-/// picture has another size, points cannot be tracked, the known cameras do not determine the others,
-/// or the tracking was cancelled.
+/// picture has another size, points cannot be tracked, the known cameras do not determine the
+/// others, or the tracking was cancelled.
 pub fn track_clip(
     at: DocumentAt<'_>,
     clip: &ClipFrames,

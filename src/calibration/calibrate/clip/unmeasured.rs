@@ -22,8 +22,8 @@ pub(super) struct Unmeasured {
 }
 
 impl Unmeasured {
-    /// Determines what the known cameras leave open, and measures it where frames adjusted to points
-    /// alone show it. Known cameras that the paint contradicts say nothing.
+    /// Determines what the known cameras leave open, and measures it where frames adjusted to
+    /// points alone show it. Known cameras that the paint contradicts say nothing.
     pub fn measure(
         fit: &ClipFit<'_>,
         by_points: &AdjustedClip,

@@ -2,8 +2,8 @@
 //!
 //! A picture alone suggests its most common colour as the ground ([`Surface`]). That is the wrong
 //! one where a court differs from its surroundings: a purple tennis court in a green surround, a
-//! green mat on a blue carpet. A camera says where the field is, and what is smooth there is ground,
-//! whatever its colour.
+//! green mat on a blue carpet. A camera says where the field is, and what is smooth there is
+//! ground, whatever its colour.
 //!
 //! [`Surface`]: crate::paint::Surface
 
@@ -17,7 +17,8 @@ use touchline_core::geometry::ImagePoint;
 const SPACING_PX: f64 = 16.0;
 
 /// A pixel's surroundings are smooth if the brightness this far away, px, differs from its own by
-/// at most the larger of the two limits: a share of it, grey levels. Players, nets and crowds are not.
+/// at most the larger of the two limits: a share of it, grey levels. Players, nets and crowds are
+/// not.
 const NEIGHBOUR_PX: u32 = 2;
 const SMOOTH_SHARE: f64 = 0.12;
 const SMOOTH: f64 = 6.0;
@@ -29,8 +30,8 @@ const FEWEST: usize = 60;
 /// colours.
 const SHARE_OF_OWN: f64 = 0.8;
 
-/// Minimum share of the field's pixels that are smooth. Where a wrong camera projects the field into
-/// stands, they have no ground.
+/// Minimum share of the field's pixels that are smooth. Where a wrong camera projects the field
+/// into stands, they have no ground.
 const SHARE_OF_SMOOTH: f64 = 0.5;
 
 /// The picture with the ground as the field inside has it. Unchanged where the picture's own ground

@@ -11,8 +11,8 @@
 //! Floors have painted areas (keys, circles) of other colours. They are found by position: their
 //! pixels lie between pieces of floor in a column of the picture. Turf has none.
 //!
-//! Where it is known which pixels show the field, the ground is the most common colour of these, and
-//! the colours around the field are areas, too ([`Surface::with_floor`]).
+//! Where it is known which pixels show the field, the ground is the most common colour of these,
+//! and the colours around the field are areas, too ([`Surface::with_floor`]).
 
 use crate::media::Picture;
 
@@ -257,9 +257,9 @@ impl Bins {
 /// The bins of areas painted on a floor of `floor` pixels, from the smoothed counts of what may be
 /// one.
 ///
-/// The most common colour, with what is connected to it, is an area; then the next. Taking the counts
-/// of an area away leaves the peak of the next one. Smoothing has spread counts into bins of the
-/// ground; these stay ground.
+/// The most common colour, with what is connected to it, is an area; then the next. Taking the
+/// counts of an area away leaves the peak of the next one. Smoothing has spread counts into bins of
+/// the ground; these stay ground.
 fn areas_among(mut left: Vec<f64>, of_ground: &[bool], floor: f64) -> Vec<bool> {
     let mut areas = vec![false; BINS * BINS];
     for _ in 0..MOST_AREAS {

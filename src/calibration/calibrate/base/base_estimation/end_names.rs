@@ -1,7 +1,7 @@
 //! Landmarks that are named as they look from behind an end of the field.
 //!
-//! Such clicks fit no camera, or badly, and under the template's names they fit well. Both are tried
-//! before clicks are said to give no base.
+//! Such clicks fit no camera, or badly, and under the template's names they fit well. Both are
+//! tried before clicks are said to give no base.
 
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
 use std::collections::BTreeSet;
@@ -46,8 +46,8 @@ impl Display for EndNames {
 }
 
 impl BaseProblem {
-    /// The names to change if the clicks, which gave this base or none as they are named, were named
-    /// as they look from behind an end.
+    /// The names to change if the clicks, which gave this base or none as they are named, were
+    /// named as they look from behind an end.
     pub(super) fn names_behind_an_end(
         &self,
         document: &Document,
@@ -116,7 +116,7 @@ fn meant(looks: &Target, field: &FieldModel) -> Option<Target> {
 
 /// Gives the clicks of a camera, which were named as they look from behind an end, the template's
 /// names. Returns the number of frames with such clicks.
-pub fn rename_behind_an_end(
+pub(crate) fn rename_behind_an_end(
     document: &mut Document,
     camera: &CameraId,
     field: &FieldModel,
