@@ -61,8 +61,8 @@ pub struct Sport {
     pub colour: [u8; 3],
 }
 
-/// All sports with built-in field templates.
-pub const SPORTS: [Sport; 13] = [
+/// All sports whose lines have a colour of their own; see [`COLOURED_ALIKE`] for the others.
+pub const SPORTS: [Sport; 8] = [
     sport("soccer", "Soccer", Ground::Turf, YELLOW),
     sport(
         "american_football",
@@ -76,11 +76,15 @@ pub const SPORTS: [Sport; 13] = [
     sport("futsal", "Futsal", Ground::Wood, CYAN),
     sport("ice_hockey", "Ice hockey", Ground::Ice, ORANGE),
     sport("tennis", "Tennis", Ground::Painted, YELLOW),
-    sport("badminton", "Badminton", Ground::Painted, YELLOW),
-    sport("pickleball", "Pickleball", Ground::Painted, YELLOW),
-    sport("padel", "Padel", Ground::Painted, YELLOW),
-    sport("beach_volleyball", "Beach volleyball", Ground::Wood, CYAN),
-    sport("field_hockey", "Field hockey", Ground::Painted, YELLOW),
+];
+
+/// Field templates whose lines have the colour of another sport on a like ground.
+const COLOURED_ALIKE: [(&str, &str); 5] = [
+    ("badminton", "tennis"),
+    ("pickleball", "tennis"),
+    ("padel", "tennis"),
+    ("beach_volleyball", "volleyball"),
+    ("field_hockey", "soccer"),
 ];
 
 const fn sport(id: &'static str, name: &'static str, ground: Ground, colour: [u8; 3]) -> Sport {
@@ -93,9 +97,12 @@ const fn sport(id: &'static str, name: &'static str, ground: Ground, colour: [u8
 }
 
 impl Sport {
-    /// The sport of a built-in field template. `None` for a user's own template.
+    /// The sport that gives the lines of a built-in field template their colour. `None` for a user's
+    /// own template.
     #[must_use]
     pub fn from_template(template: &str) -> Option<&'static Self> {
+        let alike = COLOURED_ALIKE.iter().find(|(other, _)| *other == template);
+        let template = alike.map_or(template, |(_, sport)| sport);
         SPORTS.iter().find(|sport| {
             template
                 .strip_prefix(sport.id)

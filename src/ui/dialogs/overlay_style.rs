@@ -36,7 +36,14 @@ fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
     let sport = Sport::from_template(&template);
     ui.label(sport.map_or_else(
         || "Colour".to_owned(),
-        |sport| format!("Colour for {}", sport.name.to_lowercase()),
+        |sport| {
+            let name = sport.name.to_lowercase();
+            if template.starts_with(sport.id) {
+                format!("Colour for {name}")
+            } else {
+                format!("Colour for this sport and {name}")
+            }
+        },
     ));
     let ground = sport.map(|sport| sport.ground);
     if let Some(taken) = swatches::show(ui, "", ground, panel.app.overlay_style().colour) {
