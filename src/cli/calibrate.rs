@@ -20,7 +20,7 @@ use touchline_calibration::calibrate::AutocalibratedCamera;
 use touchline_calibration::pipelines::{LabelledMatch, MatchLabels, MatchOptions, label_match};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Document, FieldSpec, document_from_frames};
+use touchline_documents::document::{Document, document_from_frames};
 use touchline_documents::store::PROJECT_FILE;
 use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 
@@ -39,7 +39,8 @@ pub struct CalibrateArgs {
     /// The project's folder; made if absent.
     #[arg(short, long, value_name = "PROJECT")]
     output: PathBuf,
-    /// The field's template (`touchline fields` lists them); soccer by default.
+    /// The field's template, or a template file (`touchline fields` lists the templates); soccer by
+    /// default.
     #[arg(long, value_name = "TEMPLATE")]
     field: Option<String>,
     /// A parameter of the field, such as `length_m=105`; may be given several times. The field's
@@ -224,10 +225,6 @@ fn document_of_frames(
     messages: Messages,
 ) -> anyhow::Result<(Document, bool)> {
     let template = args.field.as_deref().unwrap_or("soccer");
-    ensure!(
-        !FieldSpec::new(template).is_file(),
-        "{template}: calibrate takes the templates that are built in"
-    );
     let field = read_field(template, &args.set)?;
     let source = FrameSource::open(&args.frames)?;
     messages.notes(source.notices());

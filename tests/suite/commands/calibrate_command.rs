@@ -241,6 +241,8 @@ fn the_pictures_of_a_document_are_found_from_a_project_behind_a_link() {
 fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
     let place = tempfile::tempdir().unwrap();
     grey_pictures(&place.path().join("grey"));
+    let badminton = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/fields/badminton.json");
+    fs::copy(badminton, place.path().join("mine.json")).unwrap();
     fs::create_dir(place.path().join("empty")).unwrap();
     fs::create_dir(place.path().join("empty.png")).unwrap();
     for (arguments, named) in [
@@ -255,6 +257,11 @@ fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
             "no field template is named",
         ),
         ("calibrate grey -o found --set length_m=3", "length_m"),
+        (
+            "calibrate grey -o found --field mine.json",
+            "no two of the 4 frames match each other",
+        ),
+        ("calibrate grey -o found --field other.json", "other.json"),
         (
             "calibrate grey -o found --panorama empty.png",
             "is a folder; give the name of a file",
