@@ -78,7 +78,11 @@ impl Labelling<'_> {
         // The work is done and cannot be cancelled.
         let _ = self.progress.report(MatchEvent::FromClicks {
             camera: camera.clone(),
-            base: self.document.camera(camera).and_then(Camera::base),
+            base: self
+                .document
+                .camera(camera)
+                .and_then(Camera::base)
+                .map(Box::new),
         });
         Ok(Some(labelled))
     }

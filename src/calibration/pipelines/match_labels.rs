@@ -78,7 +78,7 @@ pub enum MatchEvent {
         /// Id of the camera.
         camera: CameraId,
         /// Its base.
-        base: Option<CameraBase>,
+        base: Option<Box<CameraBase>>,
     },
     /// A further camera was not found; its frames stay without one.
     OtherNotFound {

@@ -28,7 +28,7 @@ fn four_clicks_in_one_frame_label_the_whole_clip() {
     let mut clicked = truth.clone();
     let size = clicked.cameras[0].image_size;
     clicked.cameras[0] = Camera::new("main".into(), size).into();
-    for frame in clicked.frames.iter_mut() {
+    for frame in &mut clicked.frames {
         (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
         frame.clicks.clear();
     }
