@@ -126,7 +126,7 @@ fn parse_start(text: &str) -> Result<String, String> {
 
 impl ExportArgs {
     /// The options that were given and that only some formats take.
-    fn given(&self) -> Vec<FormatOption> {
+    fn list_options(&self) -> Vec<FormatOption> {
         given_options(&[
             (FormatOption::Size, self.size.is_some()),
             (FormatOption::Variant, self.variant.is_some()),
@@ -152,7 +152,7 @@ impl ExportArgs {
 
     /// Refuses options that have no effect.
     fn refuse_options(&self) -> Result<(), ExchangeError> {
-        let given = self.given();
+        let given = self.list_options();
         match self.format {
             Some(format) => format.refuse_options(given, Direction::Export),
             // A dataset is no format, and has one of their options.

@@ -78,7 +78,7 @@ pub struct ImportArgs {
 
 impl ImportArgs {
     /// The options that were given and that only some formats take.
-    fn given(&self) -> Vec<FormatOption> {
+    fn list_options(&self) -> Vec<FormatOption> {
         given_options(&[
             (FormatOption::Field, self.field.is_some()),
             (FormatOption::Set, !self.set.is_empty()),
@@ -152,7 +152,7 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
 pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let output = args.output.reserve("import", &[&args.path], messages)?;
     let format = recognize(args.format, &args.path, messages)?;
-    format.refuse_options(args.given(), Direction::Import)?;
+    format.refuse_options(args.list_options(), Direction::Import)?;
     let video = args.video.as_deref();
     let video = video.map(|video| open_video(video, messages)).transpose()?;
     let field = args.field.as_deref().unwrap_or(format.usual_field());

@@ -79,7 +79,8 @@ fn sampling_note(document: &Document) -> Option<String> {
     let every = count.checked_div(first).filter(|every| *every >= 2)?;
     is_beginning.then(|| {
         format!(
-            "these are labels of the first {first} of {count} frames: if they were sampled from all of the video, give --every {every}"
+            "these are labels of the first {first} of {count} frames: if they were sampled from \
+             all of the video, give --every {every}"
         )
     })
 }

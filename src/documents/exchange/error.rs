@@ -120,7 +120,8 @@ pub enum ExchangeError {
     },
     /// A camera belongs to a picture of another aspect ratio.
     #[error(
-        "{what} of {frame:?} is of a picture of {} × {} px, and its picture has {} × {}; give its own pictures (--images FOLDER)",
+        "{what} of {frame:?} is of a picture of {} × {} px, and its picture has {} × {}; give \
+         its own pictures (--images FOLDER)",
         stated.width, stated.height, picture.width, picture.height
     )]
     OtherProportions {
@@ -316,7 +317,8 @@ pub enum ExchangeError {
     },
     /// Numbers of keypoints that are of another order than the map.
     #[error(
-        "the label {label:?} shows that the points are numbered as another map has them, where nearly all have other names; give --map {other}"
+        "the label {label:?} shows that the points are numbered as another map has them, where \
+         nearly all have other names; give --map {other}"
     )]
     OtherNumbering {
         /// The label.
@@ -416,7 +418,8 @@ pub enum Problem {
     },
     /// A calibration matrix of pixels that are not square.
     #[error(
-        "focal lengths of {} and {} px with a skew of {} px: the nearest square pixels are {off_px:.2} px off; up to 0.5 % and \
+        "focal lengths of {} and {} px with a skew of {} px: the nearest square pixels are \
+         {off_px:.2} px off; up to 0.5 % and \
          0.1 px are taken; resample the picture to square pixels",
         number_text(focal_px[0]), number_text(focal_px[1]), number_text(*skew_px)
     )]
@@ -452,7 +455,8 @@ pub enum Problem {
     LeavesFolder(String),
     /// The path of a picture points outside the folder.
     #[error(
-        "the picture {0:?} lies outside the folder; give --images FOLDER, where it is looked for by its name"
+        "the picture {0:?} lies outside the folder; give --images FOLDER, where it is looked for \
+         by its name"
     )]
     PictureElsewhere(String),
     /// A value that the file does not contain and an option must give.
@@ -557,7 +561,8 @@ fn hint_for(path: &Path) -> &'static str {
     let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
     match ending.to_ascii_lowercase().as_str() {
         "csv" | "txt" | "tsv" => {
-            "give --format, or name the columns frame, label, x and y of a table of points, with commas between"
+            "give --format, or name the columns frame, label, x and y of a table of points, with \
+             commas between"
         }
         _ => "give --format",
     }

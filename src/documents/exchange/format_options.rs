@@ -3,9 +3,6 @@
 //! Each format declares what it takes ([`About`](super::About)). Any other option that a user gives
 //! is refused: an option that is ignored makes wrong data, and nothing shows it.
 
-use super::error::ExchangeError;
-use super::format::Format;
-
 /// An option that only some formats take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -166,52 +163,6 @@ impl FormatOption {
             Field => "field",
             Set => "set",
             EachOwnCamera => "each-own-camera",
-        }
-    }
-
-    /// The formats that take it, in the order of the help.
-    #[must_use]
-    pub fn takers(self, direction: Direction) -> Vec<Format> {
-        Format::all()
-            .filter(|format| format.takes(self, direction))
-            .collect()
-    }
-}
-
-impl Format {
-    /// The options that its export or import takes.
-    #[must_use]
-    pub fn options(self, direction: Direction) -> &'static [FormatOption] {
-        let about = self.about();
-        match direction {
-            Direction::Export => about.export_options,
-            Direction::Import => about.import_options,
-        }
-    }
-
-    /// Whether its export or import takes an option.
-    #[must_use]
-    pub fn takes(self, option: FormatOption, direction: Direction) -> bool {
-        self.options(direction).contains(&option)
-    }
-
-    /// Refuses options that its export or import does not take.
-    ///
-    /// # Errors
-    /// One of them is such an option; the formats that take it are named.
-    pub fn refuse_options(
-        self,
-        given: impl IntoIterator<Item = FormatOption>,
-        direction: Direction,
-    ) -> Result<(), ExchangeError> {
-        let mut given = given.into_iter();
-        match given.find(|option| !self.takes(*option, direction)) {
-            None => Ok(()),
-            Some(option) => Err(ExchangeError::OptionNotTaken {
-                what: self.name().to_owned(),
-                option: option.name(),
-                takers: option.takers(direction),
-            }),
         }
     }
 }

@@ -10,8 +10,9 @@ use super::click_formats::clicked_frame::ClickFormat;
 use super::click_formats::{
     coco, cvat, label_studio, labelme, points_table, soccernet_lines, yolo_pose,
 };
+use super::error::ExchangeError;
 use super::format::{About, Format};
-use super::format_options::FormatOption;
+use super::format_options::{Direction, FormatOption};
 use Codec::{Cameras, Clicks, Documents};
 use std::fmt;
 
@@ -122,6 +123,42 @@ impl Format {
         self.about().file.is_none()
     }
 
+    /// The options that its export or import takes.
+    #[must_use]
+    pub fn options(self, direction: Direction) -> &'static [FormatOption] {
+        let about = self.about();
+        match direction {
+            Direction::Export => about.export_options,
+            Direction::Import => about.import_options,
+        }
+    }
+
+    /// Whether its export or import takes an option.
+    #[must_use]
+    pub fn takes(self, option: FormatOption, direction: Direction) -> bool {
+        self.options(direction).contains(&option)
+    }
+
+    /// Refuses options that its export or import does not take.
+    ///
+    /// # Errors
+    /// One of them is such an option; the formats that take it are named.
+    pub fn refuse_options(
+        self,
+        given: impl IntoIterator<Item = FormatOption>,
+        direction: Direction,
+    ) -> Result<(), ExchangeError> {
+        let mut given = given.into_iter();
+        match given.find(|option| !self.takes(*option, direction)) {
+            None => Ok(()),
+            Some(option) => Err(ExchangeError::OptionNotTaken {
+                what: self.name().to_owned(),
+                option: option.name(),
+                takers: option.takers(direction),
+            }),
+        }
+    }
+
     /// The field that its files usually show.
     #[must_use]
     pub const fn usual_field(self) -> &'static str {
@@ -151,6 +188,16 @@ impl Format {
     }
 }
 
+impl FormatOption {
+    /// The formats that take it, in the order of the help.
+    #[must_use]
+    pub fn takers(self, direction: Direction) -> Vec<Format> {
+        Format::all()
+            .filter(|format| format.takes(self, direction))
+            .collect()
+    }
+}
+
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
@@ -159,8 +206,7 @@ impl fmt::Display for Format {
 
 #[cfg(test)]
 mod tests {
-    use super::{FORMATS, Format, FormatOption};
-    use crate::exchange::format_options::Direction;
+    use super::{Direction, FORMATS, Format, FormatOption};
 
     #[test]
     fn every_format_has_a_name_of_its_own_and_goes_one_way_at_least() {

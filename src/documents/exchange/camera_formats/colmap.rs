@@ -549,22 +549,26 @@ mod tests {
             (
                 swap(&cameras, "RADIAL", "FISHEYE"),
                 images.clone(),
-                "images.txt: line 4: cameras.txt: line 2: the camera model \"FISHEYE\" cannot be read: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read",
+                "images.txt: line 4: cameras.txt: line 2: the camera model \"FISHEYE\" cannot be \
+                 read: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read",
             ),
             (
                 swap(&cameras, " 0.0661 0", " 0.0661"),
                 images.clone(),
-                "images.txt: line 4: cameras.txt: line 2: parameters of RADIAL: 5 are expected, found 4",
+                "images.txt: line 4: cameras.txt: line 2: parameters of RADIAL: 5 are expected, \
+                 found 4",
             ),
             (
                 swap(&cameras, "1920", "-1920"),
                 images.clone(),
-                "images.txt: line 4: cameras.txt: line 2: the size of the picture: a whole number from 1 to 65535 is expected, found \"-1920\"",
+                "images.txt: line 4: cameras.txt: line 2: the size of the picture: a whole \
+                 number from 1 to 65535 is expected, found \"-1920\"",
             ),
             (
                 swap(&cameras, "2410", "nan"),
                 images.clone(),
-                "images.txt: line 4: cameras.txt: line 2: a parameter of the camera is not a finite number",
+                "images.txt: line 4: cameras.txt: line 2: a parameter of the camera is not a \
+                 finite number",
             ),
             (
                 format!("{cameras}1 RADIAL 1920 1080 2410 960 540 0 0\n"),

@@ -401,10 +401,7 @@ mod tests {
         let swap = |from: &str, to: &str| good.replacen(from, to, 1);
         for (text, wanted) in [
             (String::new(), "the file is empty"),
-            (
-                "%YAML:1.0\n---\n".to_owned(),
-                "the size of the picture (image_width, image_height) is not known; give --size WIDTHxHEIGHT",
-            ),
+            ("%YAML:1.0\n---\n".to_owned(), "camera_matrix is missing"),
             (swap("rvec", "om"), "rvec is missing"),
             (
                 swap("image_width: 1920", "image_width: 0"),
@@ -419,7 +416,9 @@ mod tests {
                     "2410.0, 0.0, 959.5, 0.0, 2410.0",
                     "2410.0, 0.0, 959.5, 0.0, 2390.0",
                 ),
-                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture to square pixels",
+                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square \
+                 pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture \
+                 to square pixels",
             ),
             (
                 swap("959.5, ", ""),

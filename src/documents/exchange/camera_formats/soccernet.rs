@@ -188,7 +188,8 @@ pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
 }
 
 /// What is said of cameras whose pixels are counted from the first one's centre.
-const PIXEL_CENTRES: &str = "the principal point is the middle of a picture whose pixels are counted from the first one's centre; \
+const PIXEL_CENTRES: &str = "the principal point is the middle of a picture whose pixels are \
+ counted from the first one's centre; \
      half a pixel is added";
 
 /// The camera in our pixels and the size of its picture, where its principal point is the middle of
@@ -603,7 +604,9 @@ mod tests {
             ),
             (
                 with("y_focal_length", json!(2390.0)),
-                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture to square pixels",
+                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square \
+                 pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture \
+                 to square pixels",
             ),
             (
                 with("radial_distortion", json!([0.1, 0.0, 0.3, 0.0, 0.0, 0.0])),

@@ -200,7 +200,10 @@ mod tests {
         };
         let said = oblong.with_square_pixels(SIZE).unwrap_err().to_string();
         assert!(
-            said.contains("focal lengths of 2410 and 2434 px with a skew of 0 px: the nearest square pixels are 2.33 px off"),
+            said.contains(
+                "focal lengths of 2410 and 2434 px with a skew of 0 px: the nearest \
+             square pixels are 2.33 px off"
+            ),
             "{said}"
         );
         let skewed = Calibration {

@@ -224,9 +224,7 @@ mod tests {
                 "{format}"
             );
             assert_eq!(frames[2].image.as_deref(), Some("0003.jpg"), "{format}");
-            let [note] = &imported.failures[..] else {
-                panic!("{format}: {:?}", imported.failures)
-            };
+            let note = imported.failures.first().unwrap();
             let start = format!(
                 "4 of 12 files have no camera that can be read: {} (",
                 damage[0].0

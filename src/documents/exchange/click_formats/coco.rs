@@ -381,7 +381,8 @@ mod tests {
             ),
             (
                 with("/images/0/file_name", json!("../../a.jpg")),
-                "the path \"../../a.jpg\" points outside the folder",
+                "the picture \"../../a.jpg\" lies outside the folder; give --images FOLDER, \
+                 where it is looked for by its name",
             ),
             (
                 with("/images/0/id", json!(1.5)),

@@ -498,7 +498,7 @@ mod tests {
             ),
             (
                 swap("clip/0001.jpg", "../0001.jpg"),
-                "the path \"../0001.jpg\" points outside the folder",
+                "the picture \"../0001.jpg\" lies outside the folder; give --images FOLDER",
             ),
             (
                 swap("444.68,789.18", "444.68"),

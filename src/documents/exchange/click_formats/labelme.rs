@@ -244,7 +244,8 @@ mod tests {
             (
                 with("/imagePath", json!("..\\a.jpg")),
                 None,
-                "the path \"../a.jpg\" points outside the folder",
+                "the picture \"../a.jpg\" lies outside the folder; give --images FOLDER, where \
+                 it is looked for by its name",
             ),
             (
                 with("/imagePath", json!(7)),

@@ -145,7 +145,8 @@ mod tests {
         for (text, wanted) in [
             (
                 "frame,label,x,y\na,b,1,2\n",
-                "a.csv: the size of \"a\" is not known; give --size WIDTHxHEIGHT or --images FOLDER",
+                "a.csv: the size of \"a\" is not known; give --size WIDTHxHEIGHT or --images \
+                 FOLDER",
             ),
             (
                 "frame,name,x,y\na,b,1,2\n",

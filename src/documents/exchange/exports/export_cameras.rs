@@ -303,7 +303,8 @@ fn stage_note(stage: &Stage) -> String {
         ..
     } = stage;
     format!(
-        "it is in the axes of the stage: origin at ({}, {}, {}) m of the field, heading {heading_deg}°",
+        "it is in the axes of the stage: origin at ({}, {}, {}) m of the field, heading \
+         {heading_deg}°",
         origin_m.x, origin_m.y, origin_m.z
     )
 }

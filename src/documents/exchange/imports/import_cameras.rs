@@ -203,14 +203,15 @@ fn remark_notes(frames: &[FrameCamera]) -> Vec<String> {
         .collect()
 }
 
-/// The note about cameras that stand under the ground, which none does: an axis is another way round.
+/// The note about cameras that stand under the ground: an axis is another way round.
 fn under_ground_note(views: &[View]) -> Option<String> {
     let mut below = views
         .iter()
         .filter(|(_, _, view)| view.position_m.z < UNDER_GROUND_M);
     let (frame, _, view) = below.next()?;
     Some(format!(
-        "{} under the ground, the first {} at z = {:.1} m: check the direction of the axes, above all of y",
+        "{} under the ground, the first {} at z = {:.1} m: check the direction of the axes, \
+         above all of y",
         pluralise(1 + below.count(), "camera"),
         shorten(&frame.name),
         view.position_m.z
@@ -227,7 +228,8 @@ fn square_pixels_note(frames: &[FrameCamera]) -> Option<String> {
         format!("{:.3}", farthest.off_px)
     };
     Some(format!(
-        "the pixels or the lens of {} are not quite those of a document: the nearest camera is taken, at most {off_px} px off, in {}",
+        "the pixels or the lens of {} are not quite those of a document: the nearest camera is \
+         taken, at most {off_px} px off, in {}",
         pluralise(off.count(), "camera"),
         shorten(&farthest.name)
     ))
@@ -337,7 +339,8 @@ impl ViewReader<'_> {
             .take(MOST_NAMED_MISFITS)
             .map(|(name, off_px)| {
                 format!(
-                    "{}: no camera with the principal point in the middle shows this homography; the nearest is {off_px:.0} px off \
+                    "{}: no camera with the principal point in the middle shows this homography; \
+                     the nearest is {off_px:.0} px off \
                      over the visible field, and the frame is a draft: check direction, unit and the picture's size (--size)",
                     shorten(name)
                 )

@@ -34,9 +34,6 @@ pub fn recognize_format(path: &Path) -> Result<Format, ExchangeError> {
     // cell.
     let sample = RefCell::new(Sample::default());
     let files = Files::read(path, &|name| sample.borrow_mut().takes(name))?;
-    if let (false, [(name, bytes)]) = (is_folder, &files.sorted_entries()[..]) {
-        refuse_archive(bytes).map_err(|problem| problem.within(name))?;
-    }
     let found: BTreeSet<Format> = files
         .sorted_entries()
         .into_iter()
@@ -48,9 +45,14 @@ pub fn recognize_format(path: &Path) -> Result<Format, ExchangeError> {
     let formats: Vec<Format> = found.into_iter().collect();
     match formats[..] {
         [format] => Ok(format),
-        [] => Err(ExchangeError::UnknownFormat {
-            path: path.to_path_buf(),
-        }),
+        [] => {
+            if let (false, [(name, bytes)]) = (is_folder, &files.sorted_entries()[..]) {
+                refuse_archive(bytes).map_err(|problem| problem.within(name))?;
+            }
+            Err(ExchangeError::UnknownFormat {
+                path: path.to_path_buf(),
+            })
+        }
         _ => Err(ExchangeError::SeveralFormats {
             path: path.to_path_buf(),
             formats,

@@ -20,7 +20,8 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
             ui,
             EXPORT,
             &mut options.size,
-            "Cameras and points are rescaled to pictures of this size; SoccerNet's submissions want 960 × 540.",
+            "Cameras and points are rescaled to pictures of this size; SoccerNet's submissions \
+             want 960 × 540.",
         );
     }
     // Points: which, and under which names.

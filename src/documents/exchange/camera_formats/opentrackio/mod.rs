@@ -1,4 +1,5 @@
-//! `OpenTrackIO` 1.0.1: one sample per line and frame. Files of one sample, and lists, are read too.
+//! `OpenTrackIO` 1.0.1: one sample per line and frame. Files of one sample, and lists, are read
+//! too.
 //!
 //! World and metres are ours; angles about Z, X, Y with pan positive to the *left*. Focal length,
 //! offsets and distortion are in mm of the sensor. Any sensor width gives the same picture as long
@@ -414,7 +415,9 @@ mod tests {
             (String::new(), "the file is empty"),
             (
                 "{}".to_owned(),
-                "line 1: the camera (static.camera: activeSensorResolution, activeSensorPhysicalDimensions) is not known; give --size WIDTHxHEIGHT and --sensor-mm",
+                "line 1: the camera (static.camera: activeSensorResolution, \
+                 activeSensorPhysicalDimensions) is not known; give --size WIDTHxHEIGHT and \
+                 --sensor-mm",
             ),
             (swap("\"lens\"", "\"lense\""), "line 1: lens is missing"),
             (
@@ -427,11 +430,13 @@ mod tests {
             ),
             (
                 swap("\"id\":\"Camera\"", "\"scale\":{\"x\":2}"),
-                "line 1: transforms[0].scale.x of 2 cannot be read: a camera has a scale of 1; remove it from the samples where it is that of a model on the stage",
+                "line 1: transforms[0].scale.x of 2 cannot be read: a camera has a scale of 1; \
+                 remove it from the samples where it is that of a model on the stage",
             ),
             (
                 swap("Brown-Conrady U-D", "Fisheye"),
-                "line 1: the model of lens.distortion[0]: Brown-Conrady U-D or Brown-Conrady D-U is expected, found \"Fisheye\"",
+                "line 1: the model of lens.distortion[0]: Brown-Conrady U-D or Brown-Conrady D-U \
+                 is expected, found \"Fisheye\"",
             ),
             (
                 swap("\"pinholeFocalLength\":12.05", "\"pinholeFocalLength\":0"),

@@ -113,7 +113,8 @@ fn refuse_scale(scale: &Node<'_>) -> Result<(), Problem> {
         if side.number()? != 1.0 {
             return Err(Problem::Unsupported {
                 what: format!("{} of {}", side.path(), side.number()?),
-                why: "a camera has a scale of 1; remove it from the samples where it is that of a model on the stage",
+                why: "a camera has a scale of 1; remove it from the samples where it is that of \
+                 a model on the stage",
             });
         }
     }
@@ -229,7 +230,8 @@ fn radial(lens: &Node<'_>, screen: &Screen) -> Result<(Radial, f64), Problem> {
     };
     Err(Problem::Unsupported {
         what: format!("lens.distortion: it is {far} where k1 and k2 are nearest, so that it"),
-        why: "up to 0.05 px is taken; take it out of the pictures with a tool that knows it, and remove lens.distortion from the samples",
+        why: "up to 0.05 px is taken; take it out of the pictures with a tool that knows it, and \
+         remove lens.distortion from the samples",
     })
 }
 
