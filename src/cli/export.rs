@@ -13,8 +13,9 @@ use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, Vec3, pluralise};
 use touchline_documents::document::{FrameStatus, Stage};
 use touchline_documents::exchange::{
-    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording,
-    Rotations, Timecode, Zoom, export as export_document,
+    Direction, ExchangeError, ExportOptions, Format, FormatOption, FrameChoice, Gaps,
+    KeypointNames, PointSource, Rate, Recording, Rotations, Timecode, Zoom,
+    export as export_document,
 };
 
 /// Maximum size of a zoom table or a map of labels, bytes.
@@ -23,8 +24,8 @@ pub(super) const MAX_TABLE_BYTES: u64 = 16 << 20;
 /// Writes a document in another format.
 ///
 /// The result is read again before it is written: a landmark that comes back elsewhere is an error.
-/// What the format cannot hold is said on standard error, in px. Conventions, users and losses of
-/// every format: assets/formats.md.
+/// What the format cannot hold is said on standard error, in px. An option that the format does not
+/// take is refused. Conventions, users, losses and options of every format: assets/formats.md.
 #[derive(clap::Args, Debug)]
 #[expect(
     clippy::struct_excessive_bools,
@@ -34,7 +35,7 @@ pub struct ExportArgs {
     #[command(flatten)]
     document: DocumentArg,
     /// The format.
-    #[arg(long, value_parser = format_parser(Format::exports), required_unless_present = "dataset")]
+    #[arg(long, value_parser = format_parser(Direction::Export), required_unless_present = "dataset")]
     format: Option<Format>,
     #[command(flatten)]
     dataset: DatasetArgs,
@@ -50,7 +51,7 @@ pub struct ExportArgs {
     /// Only frames with at least this confidence, or with none stated.
     #[arg(long, value_parser = probability)]
     min_confidence: Option<f64>,
-    /// Cameras rescaled to pictures of this size, such as 960x540.
+    /// Cameras and points rescaled to pictures of this size, such as 960x540.
     #[arg(long, value_parser = parse_size)]
     size: Option<ImageSize>,
     /// Another dialect of the format: gamestate (soccernet-lines).
@@ -60,15 +61,15 @@ pub struct ExportArgs {
     /// well.
     #[arg(long)]
     undistorted: bool,
-    /// The names of keypoints.
-    #[arg(long, default_value = "touchline", value_parser = ["touchline", "roboflow-32"])]
-    names: String,
+    /// The names of keypoints; without it touchline's.
+    #[arg(long, value_parser = ["touchline", "roboflow-32"])]
+    names: Option<String>,
     /// Keypoints where the camera shows the landmarks, not where people clicked.
     #[arg(long)]
     projected: bool,
-    /// What happens to keypoints outside of the picture.
-    #[arg(long, default_value = "drop", value_parser = ["drop", "keep"])]
-    outside: String,
+    /// What happens to keypoints outside of the picture; without it they are dropped.
+    #[arg(long, value_parser = ["drop", "keep"])]
+    outside: Option<String>,
     /// Up to so many frames that are missing between solved frames of a video, camera and clip get
     /// cameras between theirs, marked as interpolated.
     #[arg(long, value_name = "FRAMES", conflicts_with = "takes", value_parser = clap::value_parser!(u64).range(1..=100_000))]
@@ -106,14 +107,14 @@ pub struct ExportArgs {
     /// right, degrees.
     #[arg(long, value_name = "DEGREES", value_parser = parse_heading, allow_hyphen_values = true)]
     stage_heading: Option<f64>,
-    /// Of which frames fifa gets rotation and translation; without those of the others it is what
-    /// the tasks hand out.
-    #[arg(long, default_value = "all", value_parser = ["all", "first"])]
-    rotations: String,
-    /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two
-    /// columns, raw value and focal length in px.
-    #[arg(long, default_value = "focal-px")]
-    zoom: String,
+    /// Of which frames fifa gets rotation and translation: of all without it; with `first` it is
+    /// what the tasks hand out.
+    #[arg(long, value_parser = ["all", "first"])]
+    rotations: Option<String>,
+    /// How FreeD's zoom value says the focal length: focal-px (without it), focal-mm-x100, or a
+    /// file of two columns, raw value and focal length in px.
+    #[arg(long)]
+    zoom: Option<String>,
 }
 
 /// Parses a time in UTC and keeps its text.
@@ -124,6 +125,51 @@ fn parse_start(text: &str) -> Result<String, String> {
 }
 
 impl ExportArgs {
+    /// The options that were given and that only some formats take.
+    fn list_options(&self) -> Vec<FormatOption> {
+        given_options(&[
+            (FormatOption::Size, self.size.is_some()),
+            (FormatOption::Variant, self.variant.is_some()),
+            (FormatOption::Undistorted, self.undistorted),
+            (FormatOption::Names, self.names.is_some()),
+            (FormatOption::Projected, self.projected),
+            (FormatOption::Outside, self.outside.is_some()),
+            (FormatOption::Interpolate, self.interpolate.is_some()),
+            (FormatOption::Takes, self.takes),
+            (FormatOption::Start, self.start.is_some()),
+            (FormatOption::Fps, self.fps.is_some()),
+            (FormatOption::SensorMm, self.sensor_mm.is_some()),
+            (FormatOption::MatchId, self.match_id.is_some()),
+            (FormatOption::StartTime, self.start_time.is_some()),
+            (FormatOption::Perspective, self.perspective.is_some()),
+            (FormatOption::Automated, self.automated),
+            (FormatOption::StageOrigin, self.stage_origin.is_some()),
+            (FormatOption::StageHeading, self.stage_heading.is_some()),
+            (FormatOption::Rotations, self.rotations.is_some()),
+            (FormatOption::Zoom, self.zoom.is_some()),
+        ])
+    }
+
+    /// Refuses options that have no effect.
+    fn refuse_options(&self) -> Result<(), ExchangeError> {
+        let given = self.list_options();
+        match self.format {
+            Some(format) => format.refuse_options(given, Direction::Export),
+            // A dataset is no format, and has one of their options.
+            None => match given
+                .into_iter()
+                .find(|option| *option != FormatOption::Undistorted)
+            {
+                Some(option) => Err(ExchangeError::OptionNotTaken {
+                    what: "a dataset".to_owned(),
+                    option: option.name(),
+                    takers: option.takers(Direction::Export),
+                }),
+                None => Ok(()),
+            },
+        }
+    }
+
     /// The stage that the arguments describe; `None` if they name neither origin nor heading.
     fn stage(&self) -> Option<Stage> {
         (self.stage_origin.is_some() || self.stage_heading.is_some()).then(|| Stage {
@@ -142,26 +188,43 @@ impl ExportArgs {
     }
 }
 
+/// The options that are marked as given.
+pub(super) fn given_options(options: &[(FormatOption, bool)]) -> Vec<FormatOption> {
+    let given = options.iter().filter(|(_, is_given)| *is_given);
+    given.map(|(option, _)| *option).collect()
+}
+
 /// A parser for the names of formats that can be exported, or imported.
 pub(super) fn format_parser(
-    goes: fn(Format) -> bool,
+    direction: Direction,
 ) -> impl clap::builder::TypedValueParser<Value = Format> {
     // The same list is the parser, the help and the completion.
-    let formats = Format::all().filter(move |format| goes(*format));
+    let formats = Format::all().filter(move |format| match direction {
+        Direction::Export => format.exports(),
+        Direction::Import => format.imports(),
+    });
     let values: Vec<PossibleValue> = formats
-        .map(|format| PossibleValue::new(format.name()).help(describe_format(format)))
+        .map(|format| PossibleValue::new(format.name()).help(describe_format(format, direction)))
         .collect();
     PossibleValuesParser::new(values)
         .try_map(|name| Format::from_name(&name).ok_or_else(|| format!("{name} is no format")))
 }
 
-/// The title of a format, and what an export loses.
-fn describe_format(format: Format) -> String {
+/// The title of a format, what an export loses, and the options that it takes.
+fn describe_format(format: Format, direction: Direction) -> String {
     let about = format.about();
-    let lost = about
-        .loses
-        .map(|loses| format!(" (an export loses: {loses})"));
-    format!("{}{}", about.title, lost.unwrap_or_default())
+    let lost = about.loses.filter(|_| direction == Direction::Export);
+    let lost = lost.map(|loses| format!(" (an export loses: {loses})"));
+    let options = format.options(direction).iter();
+    let options: Vec<String> = options
+        .map(|option| format!("--{}", option.name()))
+        .collect();
+    let taken = if options.is_empty() {
+        String::new()
+    } else {
+        format!("; takes {}", options.join(" "))
+    };
+    format!("{}{}{taken}", about.title, lost.unwrap_or_default())
 }
 
 /// Parses a status by its name in documents.
@@ -249,6 +312,7 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
 /// # Errors
 /// The document cannot be read, the format cannot represent it, or the result cannot be written.
 pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    args.refuse_options()?;
     let input = &args.document.document;
     args.output.refuse_input(input)?;
     // A document is written as such, and locked until then; all else by `exported.write` below.
@@ -303,12 +367,12 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         size: args.size,
         game_state: args.variant.as_deref() == Some("gamestate"),
         undistorted: args.undistorted,
-        names: if args.names == "roboflow-32" {
+        names: if args.names.as_deref() == Some("roboflow-32") {
             KeypointNames::Roboflow32
         } else {
             KeypointNames::Touchline
         },
-        keep_outside: args.outside == "keep",
+        keep_outside: args.outside.as_deref() == Some("keep"),
         points: if args.projected {
             PointSource::Projected
         } else {
@@ -316,8 +380,8 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         },
         rate: args.fps,
         sensor_width_mm: args.sensor_mm,
-        zoom: zoom_of(&args.zoom)?,
-        rotations: if args.rotations == "first" {
+        zoom: zoom_of(args.zoom.as_deref().unwrap_or("focal-px"))?,
+        rotations: if args.rotations.as_deref() == Some("first") {
             Rotations::First
         } else {
             Rotations::All
@@ -375,7 +439,57 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
 
 #[cfg(test)]
 mod tests {
-    use super::{parse_heading, parse_width, zoom_of};
+    use super::{ExportArgs, parse_heading, parse_width, zoom_of};
+    use crate::cli::import::ImportArgs;
+    use clap::{Args, Command};
+    use touchline_documents::exchange::FormatOption;
+
+    #[test]
+    fn every_option_is_for_all_formats_or_declared_by_some() {
+        // The choice of frames and what is written where.
+        let of_all = [
+            "document",
+            "path",
+            "format",
+            "output",
+            "force",
+            "status",
+            "camera",
+            "min_confidence",
+            "video",
+            "every",
+        ];
+        // Clap itself ties these to `--dataset`.
+        let of_datasets = [
+            "dataset",
+            "images",
+            "image_format",
+            "outside_pictures",
+            "split",
+            "split_by",
+            "seed",
+            "licence",
+        ];
+        let declared: Vec<String> = FormatOption::ALL
+            .iter()
+            .map(|option| option.name().replace('-', "_"))
+            .collect();
+        let commands = [
+            ExportArgs::augment_args(Command::new("export")),
+            ImportArgs::augment_args(Command::new("import")),
+        ];
+        for command in commands {
+            for id in command
+                .get_arguments()
+                .map(|argument| argument.get_id().as_str())
+            {
+                let is_known = of_all.contains(&id)
+                    || of_datasets.contains(&id)
+                    || declared.iter().any(|name| name == id);
+                assert!(is_known, "{} {id}", command.get_name());
+            }
+        }
+    }
 
     #[test]
     fn numbers_that_mean_nothing_are_refused_and_not_ignored() {

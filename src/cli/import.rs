@@ -1,18 +1,23 @@
 //! `touchline import`: converts files of another program to a document, on request of a video.
 
 use super::Outcome;
-use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, parse_width, zoom_of};
-use super::new::{parameter, read_field};
+use super::export::{
+    MAX_TABLE_BYTES, format_parser, given_options, parse_size, parse_width, zoom_of,
+};
+use super::new::{parameter, parse_stride, read_field};
 use crate::cli::terminal::attached_labels::{attach_to_video, open_video, read_labels, recognize};
 use crate::cli::terminal::document::DocumentOutput;
 use crate::cli::terminal::messages::{Messages, count_steps};
 use anyhow::Context as _;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::give_own_cameras;
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_documents::document::Document;
-use touchline_documents::exchange::{Format, ImportOptions, LabelMap, Pixels};
+use touchline_documents::exchange::{
+    Direction, Format, FormatOption, ImportOptions, LabelMap, Pixels,
+};
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
@@ -20,33 +25,38 @@ pub struct ImportArgs {
     /// The file or folder.
     path: PathBuf,
     /// Its format; without it the format is recognized by endings and contents.
-    #[arg(long, value_parser = format_parser(Format::imports))]
+    #[arg(long, value_parser = format_parser(Direction::Import))]
     format: Option<Format>,
     /// The video that the cameras are of. The document has all of its frames; each camera is
     /// attached to the frame of its number.
     #[arg(long, conflicts_with = "images")]
     video: Option<PathBuf>,
+    /// The cameras are of every N-th frame of the video, as frames were sampled from it; the document
+    /// has these frames alone.
+    #[arg(long, value_name = "N", default_value = "1", requires = "video", value_parser = parse_stride)]
+    every: NonZeroUsize,
     #[command(flatten)]
     output: DocumentOutput,
-    /// The field's template.
-    #[arg(long, default_value = "soccer")]
-    field: String,
+    /// The field's template; without it that of the format, mostly soccer.
+    #[arg(long)]
+    field: Option<String>,
     /// A parameter of the field, such as `length_m=105`; may be given several times.
     #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
     set: Vec<(String, f64)>,
     /// The folder of the images; without it the files' own.
     #[arg(long)]
     images: Option<PathBuf>,
-    /// The size of the pictures, where neither file nor image says it.
+    /// The size of the pictures, where no image says it. What is for pictures of another size is
+    /// rescaled.
     #[arg(long, value_parser = parse_size)]
     size: Option<ImageSize>,
     /// Where pixels are counted from, where the format leaves it open.
     #[arg(long, value_parser = ["corner", "centre"])]
     pixels: Option<String>,
     /// What labels mean: touchline, roboflow-32, roboflow-32-captions, soccernet, or a JSON file
-    /// {"label": "landmark or line"}.
-    #[arg(long, default_value = "touchline")]
-    map: String,
+    /// {"label": "landmark or line"}; without it touchline.
+    #[arg(long)]
+    map: Option<String>,
     /// Labels without meaning are left out.
     #[arg(long)]
     skip_unmapped: bool,
@@ -64,6 +74,25 @@ pub struct ImportArgs {
     /// from its lines.
     #[arg(long)]
     each_own_camera: bool,
+}
+
+impl ImportArgs {
+    /// The options that were given and that only some formats take.
+    fn list_options(&self) -> Vec<FormatOption> {
+        given_options(&[
+            (FormatOption::Field, self.field.is_some()),
+            (FormatOption::Set, !self.set.is_empty()),
+            (FormatOption::Images, self.images.is_some()),
+            (FormatOption::Size, self.size.is_some()),
+            (FormatOption::Pixels, self.pixels.is_some()),
+            (FormatOption::Map, self.map.is_some()),
+            (FormatOption::SkipUnmapped, self.skip_unmapped),
+            (FormatOption::Annotator, self.annotator.is_some()),
+            (FormatOption::Zoom, self.zoom.is_some()),
+            (FormatOption::SensorMm, self.sensor_mm.is_some()),
+            (FormatOption::EachOwnCamera, self.each_own_camera),
+        ])
+    }
 }
 
 /// Frames without a camera that are named; of further ones the number is.
@@ -115,17 +144,20 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
 
 /// Converts the files and writes the document.
 ///
-/// [`Outcome::SomeFailed`] if a picture's lines give no camera, where each has its own.
+/// [`Outcome::SomeFailed`] if something of the files cannot be read, or a picture's lines give no
+/// camera where each has its own.
 ///
 /// # Errors
 /// The files cannot be read or are damaged, or the document cannot be written.
 pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let output = args.output.reserve("import", &[&args.path], messages)?;
     let format = recognize(args.format, &args.path, messages)?;
+    format.refuse_options(args.list_options(), Direction::Import)?;
     let video = args.video.as_deref();
     let video = video.map(|video| open_video(video, messages)).transpose()?;
+    let field = args.field.as_deref().unwrap_or(format.usual_field());
     let options = ImportOptions {
-        field: read_field(&args.field, &args.set)?,
+        field: read_field(field, &args.set)?,
         images: args.images.clone(),
         size: args.size,
         // The video is opened before the files are read: some formats state no size of their
@@ -138,7 +170,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
                 Pixels::Corner
             }
         }),
-        map: label_map(&args.map)?,
+        map: label_map(args.map.as_deref().unwrap_or("touchline"))?,
         skip_unmapped: args.skip_unmapped,
         annotator: args.annotator.clone(),
         sensor_width_mm: args.sensor_mm,
@@ -147,12 +179,13 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     let imported = read_labels(&args.path, format, &options, messages)?;
     let (mut document, notes) = match video {
         Some(video) => {
-            let attached = attach_to_video(video, &imported, options.field)?;
+            let attached = attach_to_video(video, &imported, options.field, args.every)?;
             (attached.document, attached.notes)
         }
         None => (imported.document, imported.notes),
     };
     messages.notes(&notes);
+    messages.failures(&imported.failures);
     let failed = if args.each_own_camera {
         find_own_cameras(&mut document, &imported.folder, messages)?
     } else {
@@ -165,5 +198,6 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         pluralise(frames, "frame"),
         pluralise(cameras, "camera")
     ));
-    Ok(Outcome::from_failure(failed > 0))
+    let is_unread = !imported.failures.is_empty();
+    Ok(Outcome::from_failure(is_unread || failed > 0))
 }

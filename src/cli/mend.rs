@@ -12,6 +12,7 @@ use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::{Messages, StepBar};
 use crate::cli::terminal::output::print;
 use anyhow::ensure;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::pipelines::{
@@ -21,7 +22,7 @@ use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_core::progress::{Progress, Share};
 use touchline_core::solve::base::SharedPlace;
 use touchline_documents::document::Document;
-use touchline_documents::exchange::{Format, ImportOptions, import, recognize_format};
+use touchline_documents::exchange::{Direction, Format, ImportOptions, import, recognize_format};
 use touchline_documents::report::{Cell, Table};
 use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES};
 
@@ -46,7 +47,7 @@ pub struct MendArgs {
     #[command(flatten)]
     output: DocumentOutput,
     /// The format of the cameras; without it the format is recognized by endings and contents.
-    #[arg(long, value_parser = format_parser(Format::imports))]
+    #[arg(long, value_parser = format_parser(Direction::Import))]
     format: Option<Format>,
     /// The field's template.
     #[arg(long, default_value = "soccer")]
@@ -156,6 +157,7 @@ fn mend_cameras_alone(
     };
     let imported = import(&args.video, format, &options)?;
     messages.notes(&imported.notes);
+    messages.failures(&imported.failures);
     let (mut document, folder) = (imported.document, imported.folder);
     let before = document.clone();
     let mended = mend_numbers(&mut document, &folder)?;
@@ -183,7 +185,7 @@ fn mend_cameras_alone(
         print(&numbers_table(&mended).to_text())?;
     }
     Ok(Outcome::from_failure(
-        has_moved_many || !mended.left.is_empty(),
+        has_moved_many || !mended.left.is_empty() || !imported.failures.is_empty(),
     ))
 }
 
@@ -206,8 +208,9 @@ fn read_cameras(
         document,
         notes,
         shifts,
-    } = attach_to_video(video, &imported, field)?;
+    } = attach_to_video(video, &imported, field, NonZeroUsize::MIN)?;
     messages.notes(&notes);
+    messages.failures(&imported.failures);
     Ok(CamerasToMend {
         document,
         folder: imported.folder,

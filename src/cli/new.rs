@@ -33,12 +33,19 @@ pub struct NewArgs {
     #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
     set: Vec<(String, f64)>,
     /// Take every n-th frame only.
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = parse_stride)]
     every: std::num::NonZeroUsize,
     /// Make the project even if the folder is not empty; an existing project.json is kept as
     /// project.json.bak.
     #[arg(long)]
     force: bool,
+}
+
+/// Parses the number of frames from one that is taken to the next.
+pub(super) fn parse_stride(text: &str) -> Result<std::num::NonZeroUsize, String> {
+    text.parse().map_err(|_| {
+        format!("{text} is no step from frame to frame; give a whole number from 1 on")
+    })
 }
 
 /// Parses a parameter of the field such as `length_m=105`.

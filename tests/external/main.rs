@@ -17,6 +17,7 @@ mod files;
 mod headless;
 mod media;
 mod motion_330;
+mod originals;
 mod overlay_pixels;
 mod overlay_projection;
 #[path = "../shared/parts.rs"]
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         cameras_of_videos::TESTS,
         media::TESTS,
         motion_330::TESTS,
+        originals::TESTS,
         overlay_pixels::TESTS,
         overlay_projection::TESTS,
         real_base::TESTS,

@@ -7,7 +7,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Document, FieldSpec, document_from_frames};
+use touchline_documents::document::{Document, FieldSpec, Frame, document_from_frames};
 use touchline_documents::exchange::{
     Format, ImportOptions, Imported, import, join, recognize_format,
 };
@@ -48,6 +48,7 @@ pub fn read_labels(
         folder: location.folder().to_path_buf(),
         format,
         notes: Vec::new(),
+        failures: Vec::new(),
     })
 }
 
@@ -63,6 +64,30 @@ pub fn open_video(path: &Path, messages: Messages) -> anyhow::Result<VideoInfo> 
     Ok(info)
 }
 
+/// The note that labels of the first frames alone may be those of a sample of the whole video.
+fn sampling_note(document: &Document) -> Option<String> {
+    let is_labelled = |frame: &Frame| frame.ptz.is_some() || !frame.clicks.is_empty();
+    let count = document.frames.len();
+    let labelled = document
+        .frames
+        .iter()
+        .take_while(|frame| is_labelled(frame));
+    let first = labelled.count();
+    let all = document.frames.iter().filter(|frame| is_labelled(frame));
+    // A sample of one or two says nothing; one that is not of the beginning is none.
+    let is_beginning = all.count() == first && first >= LEAST_SAMPLE;
+    let every = count.checked_div(first).filter(|every| *every >= 2)?;
+    is_beginning.then(|| {
+        format!(
+            "these are labels of the first {first} of {count} frames: if they were sampled from \
+             all of the video, give --every {every}"
+        )
+    })
+}
+
+/// The least labels that may be a sample of a video.
+const LEAST_SAMPLE: usize = 3;
+
 /// The document of a video's frames with imported labels.
 pub struct AttachedLabels {
     /// The document. Its paths start from the imported document's folder.
@@ -73,7 +98,7 @@ pub struct AttachedLabels {
     pub shifts: Vec<i64>,
 }
 
-/// Makes a document of a video's frames and attaches imported labels to them.
+/// Makes a document of every n-th frame of a video and attaches imported labels to them.
 ///
 /// # Errors
 /// No label is of a frame of the video.
@@ -81,13 +106,13 @@ pub fn attach_to_video(
     video: VideoInfo,
     imported: &Imported,
     field: FieldSpec,
+    every: NonZeroUsize,
 ) -> anyhow::Result<AttachedLabels> {
     let name = video.path.display().to_string();
     let source = FrameSource::Video(video);
     // The video's frames become a document without labels first. The labels are then joined with it
     // by the rules of an import into an open project: they are attached to the frames of its only
     // video in the most plausible way.
-    let every = NonZeroUsize::MIN;
     let made = document_from_frames(
         &source,
         &imported.folder,
@@ -117,6 +142,7 @@ pub fn attach_to_video(
             .map(|note| format!("; {note}"))
             .unwrap_or_default()
     );
+    joined.notes.extend(sampling_note(&joined.document));
     // The camera of the new document has no base; it stays only where frames have no other.
     let mut document = joined.document;
     let used = document.used_cameras();

@@ -36,6 +36,13 @@ impl Messages {
         self.write("frame_failed", Some(frame), message);
     }
 
+    /// Reports things that the command could not do, beside others that it did.
+    pub fn failures(self, messages: &[String]) {
+        for message in messages {
+            self.write("failed", None, message);
+        }
+    }
+
     /// Reports why the whole command failed.
     pub fn error(self, message: &str) {
         self.write("error", None, message);

@@ -2,8 +2,9 @@
 
 use super::format::Format;
 use crate::document::OtherPictures;
+use std::ffi::OsStr;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 use touchline_core::field::FieldError;
 use touchline_core::files::{NotReplaced, plain, way_out};
@@ -57,7 +58,7 @@ pub enum ExchangeError {
         wanted: &'static str,
     },
     /// Files are of no known format.
-    #[error("{}: no format is recognized; give --format", path.display())]
+    #[error("{}: no format is recognized; {}", path.display(), hint_for(path))]
     UnknownFormat {
         /// The file or folder.
         path: PathBuf,
@@ -119,10 +120,13 @@ pub enum ExchangeError {
     },
     /// A camera belongs to a picture of another aspect ratio.
     #[error(
-        "the camera of {frame:?} is of a picture of {} × {} px, and its picture has {} × {}; give its own pictures (--images FOLDER)",
+        "{what} of {frame:?} is of a picture of {} × {} px, and its picture has {} × {}; give \
+         its own pictures (--images FOLDER)",
         stated.width, stated.height, picture.width, picture.height
     )]
     OtherProportions {
+        /// What is of it: "the camera".
+        what: &'static str,
         /// The frame.
         frame: String,
         /// What the camera was made for.
@@ -281,6 +285,16 @@ pub enum ExchangeError {
         /// What it can be: "exported".
         instead: &'static str,
     },
+    /// An option that the format does not take.
+    #[error("--{option} has no effect on {what}; it is for {}", either(takers))]
+    OptionNotTaken {
+        /// The format, or what else is written.
+        what: String,
+        /// The option.
+        option: &'static str,
+        /// The formats that take it.
+        takers: Vec<Format>,
+    },
     /// An option is needed that was not given.
     #[error("{format} does not say {what}; give {option}")]
     OptionNeeded {
@@ -300,6 +314,17 @@ pub enum ExchangeError {
         what: &'static str,
         /// What to give.
         option: &'static str,
+    },
+    /// Numbers of keypoints that are of another order than the map.
+    #[error(
+        "the label {label:?} shows that the points are numbered as another map has them, where \
+         nearly all have other names; give --map {other}"
+    )]
+    OtherNumbering {
+        /// The label.
+        label: String,
+        /// The name of the other map.
+        other: &'static str,
     },
     /// Labels without a meaning on the field.
     #[error("unknown labels {labels}; give a --map file with them, or --skip-unmapped")]
@@ -391,6 +416,21 @@ pub enum Problem {
         /// Its distance from a rotation; not finite for a reflection or NaN.
         distance: f64,
     },
+    /// A calibration matrix of pixels that are not square.
+    #[error(
+        "focal lengths of {} and {} px with a skew of {} px: the nearest square pixels are \
+         {off_px:.2} px off; up to 0.5 % and \
+         0.1 px are taken; resample the picture to square pixels",
+        number_text(focal_px[0]), number_text(focal_px[1]), number_text(*skew_px)
+    )]
+    NotSquare {
+        /// fx and fy.
+        focal_px: [f64; 2],
+        /// The skew.
+        skew_px: f64,
+        /// How far the nearest camera of square pixels is off at most, px.
+        off_px: f64,
+    },
     /// A matrix has no inverse.
     #[error("{0} is singular")]
     Singular(String),
@@ -413,6 +453,12 @@ pub enum Problem {
     /// A path points outside the folder.
     #[error("the path {0:?} points outside the folder")]
     LeavesFolder(String),
+    /// The path of a picture points outside the folder.
+    #[error(
+        "the picture {0:?} lies outside the folder; give --images FOLDER, where it is looked for \
+         by its name"
+    )]
+    PictureElsewhere(String),
     /// A value that the file does not contain and an option must give.
     #[error("{what} is not known; give {option}")]
     OptionNeeded {
@@ -507,6 +553,18 @@ impl Problem {
             line,
             problem: Box::new(self),
         }
+    }
+}
+
+/// What to do with a file of no known format.
+fn hint_for(path: &Path) -> &'static str {
+    let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+    match ending.to_ascii_lowercase().as_str() {
+        "csv" | "txt" | "tsv" => {
+            "give --format, or name the columns frame, label, x and y of a table of points, with \
+             commas between"
+        }
+        _ => "give --format",
     }
 }
 

@@ -1,5 +1,7 @@
 //! The foreign formats by name, and what each declares of itself.
 
+use super::format_options::FormatOption;
+
 /// A format of an import or export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
@@ -22,6 +24,8 @@ pub enum Format {
     LabelStudio,
     /// labelme's JSON, one file per image.
     Labelme,
+    /// A table with a point a row.
+    Points,
     /// Homographies of the World Cup 2014 set.
     Wc14,
     /// Homographies of the TS-WorldCup set.
@@ -75,29 +79,8 @@ pub struct About {
     pub files: &'static str,
     /// The endings of the files that are read; none where the format is only written.
     pub endings: &'static [&'static str],
-    /// The options of exports and imports that it takes beside those of all cameras or all clicks.
-    pub options: &'static [FormatOption],
-}
-
-/// An option that only some formats take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FormatOption {
-    /// Homographies of undistorted pictures.
-    Undistorted,
-    /// Metadata of the recording, and its frame rate.
-    Recording,
-    /// Those of a track over time: what happens to missing frames, and the frame rate.
-    Track,
-    /// The width of the sensor.
-    Sensor,
-    /// The timecode of the first frame.
-    Start,
-    /// The meaning of zoom values.
-    Zoom,
-    /// The axes of a stage.
-    Stage,
-    /// The names of Roboflow's keypoints.
-    Roboflow,
-    /// The names of lines of the game state challenge.
-    GameState,
+    /// The options that its export takes, beside the choice of frames.
+    pub export_options: &'static [FormatOption],
+    /// The options that its import takes.
+    pub import_options: &'static [FormatOption],
 }

@@ -20,6 +20,7 @@ mod error;
 mod exports;
 mod files;
 mod format;
+mod format_options;
 mod imports;
 mod options;
 mod rate;
@@ -44,7 +45,8 @@ pub use exports::exported::Exported;
 pub use exports::loss::Loss;
 pub use exports::work_packages::{restore_version, write_packages};
 pub use files::Files;
-pub use format::{About, Format, FormatOption};
+pub use format::{About, Format};
+pub use format_options::{Direction, FormatOption};
 pub use imports::attach::{
     AttachedPair, Attachment, AttachmentCandidate, Counting, MatchedBy, NotAttached,
     plan_attachment, size_of_only_video,

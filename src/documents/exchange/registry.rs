@@ -7,8 +7,12 @@ use super::camera_formats::{
 };
 use super::cameras::camera_format::CameraFormat;
 use super::click_formats::clicked_frame::ClickFormat;
-use super::click_formats::{coco, cvat, label_studio, labelme, soccernet_lines, yolo_pose};
-use super::format::{About, Format, FormatOption};
+use super::click_formats::{
+    coco, cvat, label_studio, labelme, points_table, soccernet_lines, yolo_pose,
+};
+use super::error::ExchangeError;
+use super::format::{About, Format};
+use super::format_options::{Direction, FormatOption};
 use Codec::{Cameras, Clicks, Documents};
 use std::fmt;
 
@@ -33,11 +37,12 @@ const DATASET: About = About {
     file: Some("dataset.json"),
     files: "dataset (.json)",
     endings: &["json"],
-    options: &[],
+    export_options: &[],
+    import_options: &[FormatOption::EachOwnCamera],
 };
 
 /// Every format, in the order of the help.
-static FORMATS: [(Format, Codec); 25] = [
+static FORMATS: [(Format, Codec); 26] = [
     (Format::Json, Documents(DATASET)),
     (Format::SoccerNet, Cameras(&soccernet::SoccerNet)),
     (
@@ -50,6 +55,7 @@ static FORMATS: [(Format, Codec); 25] = [
     (Format::Cvat, Clicks(&cvat::Cvat)),
     (Format::LabelStudio, Clicks(&label_studio::LabelStudio)),
     (Format::Labelme, Clicks(&labelme::Labelme)),
+    (Format::Points, Clicks(&points_table::PointsTable)),
     (Format::Wc14, Cameras(&homography_files::Wc14)),
     (Format::TsWorldCup, Cameras(&homography_files::TsWorldCup)),
     (
@@ -117,10 +123,49 @@ impl Format {
         self.about().file.is_none()
     }
 
-    /// Whether it takes an option.
+    /// The options that its export or import takes.
     #[must_use]
-    pub fn takes(self, option: FormatOption) -> bool {
-        self.about().options.contains(&option)
+    pub fn options(self, direction: Direction) -> &'static [FormatOption] {
+        let about = self.about();
+        match direction {
+            Direction::Export => about.export_options,
+            Direction::Import => about.import_options,
+        }
+    }
+
+    /// Whether its export or import takes an option.
+    #[must_use]
+    pub fn takes(self, option: FormatOption, direction: Direction) -> bool {
+        self.options(direction).contains(&option)
+    }
+
+    /// Refuses options that its export or import does not take.
+    ///
+    /// # Errors
+    /// One of them is such an option; the formats that take it are named.
+    pub fn refuse_options(
+        self,
+        given: impl IntoIterator<Item = FormatOption>,
+        direction: Direction,
+    ) -> Result<(), ExchangeError> {
+        let mut given = given.into_iter();
+        match given.find(|option| !self.takes(*option, direction)) {
+            None => Ok(()),
+            Some(option) => Err(ExchangeError::OptionNotTaken {
+                what: self.name().to_owned(),
+                option: option.name(),
+                takers: option.takers(direction),
+            }),
+        }
+    }
+
+    /// The field that its files usually show.
+    #[must_use]
+    pub const fn usual_field(self) -> &'static str {
+        match self {
+            Self::DeepSport => "basketball_fiba",
+            _ => "soccer",
+        }
     }
 
     /// Whether it can be imported.
@@ -143,6 +188,16 @@ impl Format {
     }
 }
 
+impl FormatOption {
+    /// The formats that take it, in the order of the help.
+    #[must_use]
+    pub fn takers(self, direction: Direction) -> Vec<Format> {
+        Format::all()
+            .filter(|format| format.takes(self, direction))
+            .collect()
+    }
+}
+
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
@@ -151,7 +206,7 @@ impl fmt::Display for Format {
 
 #[cfg(test)]
 mod tests {
-    use super::{FORMATS, Format};
+    use super::{Direction, FORMATS, Format, FormatOption};
 
     #[test]
     fn every_format_has_a_name_of_its_own_and_goes_one_way_at_least() {
@@ -159,6 +214,40 @@ mod tests {
             assert_eq!(*format as usize, place, "{format}");
             assert_eq!(Format::from_name(format.name()), Some(*format));
             assert!(format.imports() || format.exports(), "{format}");
+        }
+    }
+
+    /// Formats in words: those that are named, or those that are not.
+    fn say(takers: &[Format], all: &[Format]) -> String {
+        let names = |formats: &[Format]| {
+            let names: Vec<&str> = formats.iter().map(|format| format.name()).collect();
+            names.join(", ")
+        };
+        let others: Vec<Format> = all
+            .iter()
+            .copied()
+            .filter(|format| !takers.contains(format))
+            .collect();
+        match (takers, &others[..]) {
+            ([], _) => "–".to_owned(),
+            (_, []) => "all".to_owned(),
+            _ if takers.len() > others.len() => format!("all but {}", names(&others)),
+            _ => names(takers),
+        }
+    }
+
+    #[test]
+    fn the_options_of_formats_are_on_their_page() {
+        let exported: Vec<Format> = Format::all().filter(|format| format.exports()).collect();
+        let imported: Vec<Format> = Format::all().filter(|format| format.imports()).collect();
+        for option in FormatOption::ALL {
+            let row = format!(
+                "| `--{}` | {} | {} |",
+                option.name(),
+                say(&option.takers(Direction::Export), &exported),
+                say(&option.takers(Direction::Import), &imported)
+            );
+            assert!(touchline_assets::FORMATS.contains(&row), "{row}");
         }
     }
 

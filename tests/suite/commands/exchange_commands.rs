@@ -513,3 +513,66 @@ fn the_number_of_formats_is_stated_as_it_is() {
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert_eq!(help.matches("(an export loses: ").count(), count, "{help}");
 }
+
+#[test]
+fn an_option_without_effect_is_refused_with_the_formats_that_take_it() {
+    let folder = tempfile::tempdir().unwrap();
+    document(folder.path());
+    let refused = |arguments: &str, wanted: &str| {
+        let ran = touchline(folder.path(), arguments);
+        assert_eq!(
+            (ran.code, ran.stderr.lines().count()),
+            (2, 1),
+            "{}",
+            ran.stderr
+        );
+        assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
+    };
+    refused(
+        "export doc.json --format json --size 960x540 -o a.json",
+        "--size has no effect on json; it is for soccernet, ",
+    );
+    refused(
+        "export doc.json --format colmap --outside drop -o a",
+        "--outside has no effect on colmap; it is for coco, label-studio or labelme",
+    );
+    refused(
+        "export doc.json --dataset out --fps 25",
+        "--fps has no effect on a dataset; it is for csv, ",
+    );
+    touchline(folder.path(), "export doc.json --format csv -o cameras.csv");
+    refused(
+        "import cameras.csv --annotator anna -o a.json",
+        "--annotator has no effect on csv; it is for label-studio",
+    );
+    let help = touchline(folder.path(), "import --help").stdout;
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        help.contains("takes --field --set --images --size --zoom --sensor-mm"),
+        "{help}"
+    );
+}
+
+#[test]
+fn what_cannot_be_read_is_counted_and_the_rest_is_imported() {
+    let folder = tempfile::tempdir().unwrap();
+    document(folder.path());
+    touchline(
+        folder.path(),
+        "export doc.json --format soccernet -o cameras",
+    );
+    let names: Vec<_> = fs::read_dir(folder.path().join("cameras"))
+        .unwrap()
+        .collect();
+    fs::write(folder.path().join("cameras/camera_9999.json"), "null").unwrap();
+    let ran = touchline(folder.path(), "import cameras --json -o back.json");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let wanted = format!(
+        "1 of {} files has no camera that can be read: camera_9999.json (",
+        names.len() + 1
+    );
+    let mut lines = ran.stderr.lines();
+    let line = lines.find(|line| line.contains(&wanted)).unwrap();
+    assert!(line.contains("\"level\":\"failed\""), "{line}");
+    assert!(folder.path().join("back.json").exists());
+}

@@ -36,6 +36,7 @@ pub use mat_file::MatError;
 pub use sequence::{AuthorsFrame, AuthorsSequence, read_authors_sequence};
 
 use crate::exchange::format::About;
+use crate::exchange::format_options::FormatOption;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -50,7 +51,8 @@ pub const ABOUT: About = About {
     file: None,
     files: "MATLAB files (.mat)",
     endings: &["mat"],
-    options: &[],
+    export_options: &[],
+    import_options: &[FormatOption::EachOwnCamera],
 };
 
 /// Why the authors' files cannot be read.

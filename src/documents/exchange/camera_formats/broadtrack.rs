@@ -13,9 +13,11 @@ use crate::document::FrameStatus;
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, file_name_of};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::held::{parts, with};
+use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::{Node, parse, safe_path};
 use crate::exchange::syntax::values::coefficient;
@@ -141,7 +143,8 @@ impl CameraFormat for BroadTrack {
             file: Some("broadtrack.json"),
             files: "camera file (.json)",
             endings: &["json"],
-            options: &[],
+            export_options: format_options::CAMERAS_OUT,
+            import_options: format_options::CAMERAS_IN,
         }
     }
 
@@ -190,10 +193,14 @@ impl CameraFormat for BroadTrack {
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|_, bytes| {
             let value = parse(bytes)?;
-            Node::root(&value)
-                .entries()?
-                .map(|(name, node)| from_json(name, &node))
-                .collect::<Result<Vec<_>, _>>()
+            let mut frames = FrameCollector::default();
+            for (name, node) in Node::root(&value).entries()? {
+                frames.add(name, None, from_json(name, &node));
+                if frames.has_only_damaged() {
+                    break;
+                }
+            }
+            frames.finish()
         })
     }
 }

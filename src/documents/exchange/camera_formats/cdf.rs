@@ -12,7 +12,8 @@ use crate::exchange::cameras::frame_camera::FrameCamera;
 use crate::exchange::cameras::held::{cannot_hold, parts};
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::Files;
-use crate::exchange::format::{About, Format, FormatOption};
+use crate::exchange::format::{About, Format};
+use crate::exchange::format_options::FormatOption;
 use crate::exchange::options::ImportOptions;
 use serde_json::json;
 
@@ -48,7 +49,15 @@ impl CameraFormat for Cdf {
             file: Some("video.json"),
             files: "sheet (.json)",
             endings: &[],
-            options: &[FormatOption::Recording],
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Fps,
+                FormatOption::MatchId,
+                FormatOption::StartTime,
+                FormatOption::Perspective,
+                FormatOption::Automated,
+            ],
+            import_options: &[],
         }
     }
 

@@ -11,7 +11,8 @@ use crate::exchange::cameras::held::{
 };
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
-use crate::exchange::format::{About, Format, FormatOption};
+use crate::exchange::format::{About, Format};
+use crate::exchange::format_options::{self, FormatOption};
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::table::numbers;
 use crate::exchange::syntax::values::frame_number;
@@ -106,7 +107,14 @@ impl CameraFormat for Chan {
             file: Some("camera.chan"),
             files: "camera track (.chan)",
             endings: &["chan"],
-            options: &[FormatOption::Track, FormatOption::Stage],
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Interpolate,
+                FormatOption::Takes,
+                FormatOption::StageOrigin,
+                FormatOption::StageHeading,
+            ],
+            import_options: format_options::CAMERAS_IN,
         }
     }
 

@@ -9,13 +9,16 @@
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, relative_name};
+use crate::exchange::cameras::square_pixels::{Calibration, SquarePixels};
+use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::table::{number, numbers};
-use crate::exchange::syntax::values::{coefficient, refuse_oblong_pixels, shorten};
+use crate::exchange::syntax::values::{coefficient, shorten};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -26,16 +29,27 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 /// The format.
 pub struct Colmap;
 
+/// The fields of an image's line.
+const IMAGE_FIELDS: usize = 10;
+
 const CAMERAS: &str = "cameras.txt";
 const IMAGES: &str = "images.txt";
 const POINTS: &str = "points3D.txt";
 
-/// The lens and size of a camera line.
-type Lens = (ImageSize, f64, ImagePoint, Radial);
+/// The picture and lens of a camera's line.
+#[derive(Clone, Copy)]
+struct Lens {
+    size: ImageSize,
+    square: SquarePixels,
+    radial: Radial,
+}
 
-fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
-    let fields: Vec<&str> = line.split_whitespace().collect();
-    let [id, model, width, height, params @ ..] = &fields[..] else {
+/// The cameras by their numbers, or what is wrong with them: only an image that has one of these
+/// cannot be read.
+type Lenses = BTreeMap<u64, Result<Lens, Problem>>;
+
+fn read_camera(fields: &[&str]) -> Result<Lens, Problem> {
+    let [_, model, width, height, params @ ..] = fields else {
         return Err(Problem::Count {
             what: "fields of a camera".to_owned(),
             wanted: 8,
@@ -71,9 +85,12 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
     // and p2 as far as the model has them.
     let has_two = matches!(*model, "PINHOLE" | "OPENCV");
     let (focal, rest) = params.split_at(if has_two { 2 } else { 1 });
-    if let &[fx, fy] = focal {
-        refuse_oblong_pixels(fx, fy)?;
-    }
+    let calibration = Calibration {
+        fx: focal[0],
+        fy: *focal.last().unwrap_or(&focal[0]),
+        skew: 0.0,
+        principal_point: ImagePoint::new(rest[0], rest[1]),
+    };
     if rest.iter().skip(4).any(|value| *value != 0.0) {
         let why = "the document's lens has k1 and k2 only";
         return Err(Problem::Unsupported {
@@ -81,19 +98,14 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
             why,
         });
     }
-    let lens = Radial {
-        k1: coefficient(rest, 2),
-        k2: coefficient(rest, 3),
-    };
-    let id = id.parse().map_err(|_| Problem::Kind {
-        what: "the camera's number".to_owned(),
-        wanted: "a whole number",
-        found: format!("{:?}", shorten(id)),
-    })?;
-    Ok((
-        id,
-        (size, focal[0], ImagePoint::new(rest[0], rest[1]), lens),
-    ))
+    Ok(Lens {
+        size,
+        square: calibration.with_square_pixels(size)?,
+        radial: Radial {
+            k1: coefficient(rest, 2),
+            k2: coefficient(rest, 3),
+        },
+    })
 }
 
 /// A side of a picture, px.
@@ -120,10 +132,24 @@ fn lines(text: &str, keeps_empty: bool) -> impl Iterator<Item = (usize, &str)> {
         .filter(move |(_, line)| !line.starts_with('#') && (keeps_empty || !line.trim().is_empty()))
 }
 
-fn read_cameras(bytes: &[u8]) -> Result<BTreeMap<u64, Lens>, Problem> {
+fn read_cameras(bytes: &[u8]) -> Result<Lenses, Problem> {
     let mut cameras = BTreeMap::new();
     for (line_number, line) in lines(text(bytes)?, false) {
-        let (id, lens) = read_camera(line).map_err(|problem| problem.at_line(line_number))?;
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        let id = fields.first().copied().unwrap_or_default();
+        let id: u64 = id.parse().map_err(|_| {
+            let problem = Problem::Kind {
+                what: "the camera's number".to_owned(),
+                wanted: "a whole number",
+                found: format!("{:?}", shorten(id)),
+            };
+            problem.at_line(line_number)
+        })?;
+        // The file is named, because the image that has the camera is of another one.
+        let lens = read_camera(&fields).map_err(|problem| Problem::Array {
+            array: CAMERAS.to_owned(),
+            problem: Box::new(problem.at_line(line_number)),
+        });
         if cameras.insert(id, lens).is_some() {
             return Err(Problem::Twice {
                 what: "the camera",
@@ -150,7 +176,7 @@ fn image_fields(line: &str) -> Vec<&str> {
     fields
 }
 
-fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, Problem> {
+fn read_image(line: &str, cameras: &Lenses) -> Result<FrameCamera, Problem> {
     let fields = image_fields(line);
     let [_, pose @ .., camera, name] = &fields[..] else {
         return Err(Problem::Count {
@@ -178,8 +204,12 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
         });
     }
     let id: u64 = camera.parse().map_err(|_| unknown_camera(camera))?;
-    let (size, focal_px, principal_point, lens) =
-        *cameras.get(&id).ok_or_else(|| unknown_camera(camera))?;
+    let lens = cameras.get(&id).ok_or_else(|| unknown_camera(camera))?;
+    let Lens {
+        size,
+        square,
+        radial,
+    } = *lens.as_ref().map_err(Clone::clone)?;
     let cam_from_world = *UnitQuaternion::from_quaternion(quaternion)
         .to_rotation_matrix()
         .matrix();
@@ -187,14 +217,15 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
     let pinhole = Pinhole {
         cam_from_world,
         position_m: -(cam_from_world.transpose() * Vec3::new(tx, ty, tz)),
-        focal_px,
-        principal_point,
-        lens,
+        focal_px: square.focal_px,
+        principal_point: square.principal_point,
+        lens: radial,
     };
     let name = safe_path(name)?;
     let pinhole = pinhole.validate("the camera")?;
     Ok(FrameCamera {
         image: Some(name.clone()),
+        off_px: square.off_px,
         ..FrameCamera::new(&name, Some(size), FrameProjection::Camera(pinhole))
     })
 }
@@ -207,15 +238,20 @@ fn unknown_camera(id: &str) -> Problem {
     }
 }
 
-fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameCamera>, Problem> {
-    let mut frames = Vec::new();
+fn read_images(bytes: &[u8], cameras: &Lenses) -> Result<Vec<FrameCamera>, Problem> {
+    let mut frames = FrameCollector::default();
     let mut rest = lines(text(bytes)?, true);
     while let Some((line_number, line)) = rest.next() {
         if line.trim().is_empty() {
             // Between images, and at the end of the file.
             continue;
         }
-        frames.push(read_image(line, cameras).map_err(|problem| problem.at_line(line_number))?);
+        let read = read_image(line, cameras).map_err(|problem| problem.at_line(line_number));
+        let name = image_fields(line).last().copied().unwrap_or_default();
+        frames.add(name, None, read);
+        if frames.has_only_damaged() {
+            break;
+        }
         // COLMAP's own readers lose all images of such a file without a word. Here the line of the
         // next image would be taken for points.
         let Some((points_line, points)) = rest.next() else {
@@ -226,6 +262,10 @@ fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameC
         let count = points.split_whitespace().count();
         // X, Y and the point's id. A line of an image has ten fields, so that a missing line of
         // points in between is noticed, too.
+        if count == IMAGE_FIELDS {
+            let what = "two lines for each image (the second is of points, it may be empty)";
+            return Err(Problem::Missing(what.to_owned()).at_line(points_line));
+        }
         if count % 3 != 0 {
             let what = "the line of points behind an image (numbers, by three)".to_owned();
             let problem = Problem::Count {
@@ -236,7 +276,7 @@ fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameC
             return Err(problem.at_line(points_line));
         }
     }
-    Ok(frames)
+    frames.finish()
 }
 
 /// A clicked landmark.
@@ -325,7 +365,8 @@ impl CameraFormat for Colmap {
             file: None,
             files: "cameras.txt and images.txt",
             endings: &["txt"],
-            options: &[],
+            export_options: format_options::CAMERAS_OUT,
+            import_options: format_options::CAMERAS_IN,
         }
     }
 
@@ -508,22 +549,26 @@ mod tests {
             (
                 swap(&cameras, "RADIAL", "FISHEYE"),
                 images.clone(),
-                "cameras.txt: line 2: the camera model \"FISHEYE\" cannot be read: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read",
+                "images.txt: line 4: cameras.txt: line 2: the camera model \"FISHEYE\" cannot be \
+                 read: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read",
             ),
             (
                 swap(&cameras, " 0.0661 0", " 0.0661"),
                 images.clone(),
-                "cameras.txt: line 2: parameters of RADIAL: 5 are expected, found 4",
+                "images.txt: line 4: cameras.txt: line 2: parameters of RADIAL: 5 are expected, \
+                 found 4",
             ),
             (
                 swap(&cameras, "1920", "-1920"),
                 images.clone(),
-                "cameras.txt: line 2: the size of the picture: a whole number from 1 to 65535 is expected, found \"-1920\"",
+                "images.txt: line 4: cameras.txt: line 2: the size of the picture: a whole \
+                 number from 1 to 65535 is expected, found \"-1920\"",
             ),
             (
                 swap(&cameras, "2410", "nan"),
                 images.clone(),
-                "cameras.txt: line 2: a parameter of the camera is not a finite number",
+                "images.txt: line 4: cameras.txt: line 2: a parameter of the camera is not a \
+                 finite number",
             ),
             (
                 format!("{cameras}1 RADIAL 1920 1080 2410 960 540 0 0\n"),

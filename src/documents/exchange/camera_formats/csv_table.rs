@@ -13,7 +13,8 @@ use crate::exchange::cameras::ground_fit::fit_image_from_ground;
 use crate::exchange::cameras::held::{parts, relative_name};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
-use crate::exchange::format::{About, FormatOption};
+use crate::exchange::format::About;
+use crate::exchange::format_options::{self, FormatOption};
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::table::{Table, TableRow, field_text, push_row};
@@ -260,7 +261,14 @@ impl CameraFormat for Csv {
             file: Some("cameras.csv"),
             files: "table (.csv)",
             endings: &["csv"],
-            options: &[FormatOption::Track, FormatOption::Start],
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Interpolate,
+                FormatOption::Takes,
+                FormatOption::Fps,
+                FormatOption::Start,
+            ],
+            import_options: format_options::CAMERAS_IN,
         }
     }
 

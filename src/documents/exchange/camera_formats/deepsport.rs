@@ -1,4 +1,5 @@
-//! `DeepSport`'s basketball cameras: a JSON file for each picture. Import only.
+//! `DeepSport`'s basketball cameras: a JSON file for each picture, or the list of its challenge.
+//! Import only.
 //!
 //! World in *centimetres* from the far left corner of the court, x right, y towards the camera, z
 //! **down**; `KK`, `R`, `T` by rows, world→camera; `kc` = k1 k2 p1 p2 k3; pixels from the first
@@ -7,17 +8,20 @@
 use super::soccernet::flip_rotation;
 use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use crate::exchange::cameras::unreadable::read_frame_files;
+use crate::exchange::cameras::into_document::Exactness;
+use crate::exchange::cameras::square_pixels::Calibration;
+use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, without_ending};
 use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse};
-use crate::exchange::syntax::values::{refuse_further_coefficients, refuse_skewed_pixels};
+use crate::exchange::syntax::values::{refuse_further_coefficients, side_px};
 use std::path::Path;
 use touchline_core::camera::Radial;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 
 /// The format.
 pub struct DeepSport;
@@ -25,19 +29,22 @@ pub struct DeepSport;
 /// Centimetres per metre.
 const CM: f64 = 100.0;
 
-fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Problem> {
-    let value = parse(bytes)?;
-    let node = Node::root(&value).key("calibration")?;
-    let size = node.size_at("img_width", "img_height")?;
-    let (k, rotation) = (matrix(&node, "KK")?, matrix(&node, "R")?);
+/// The frame of a camera, for a picture of this size. `k` is the matrix, in whose keys the layouts
+/// differ.
+fn frame(
+    name: &str,
+    node: &Node<'_>,
+    (k, size): (&Node<'_>, ImageSize),
+    court: &FieldModel,
+) -> Result<FrameCamera, Problem> {
+    let rotation = Mat3::from_row_slice(&node.key("R")?.numbers::<9>()?);
     let translation = Vec3::from(node.key("T")?.numbers::<3>()?);
     let lens: [f64; 5] = node.key("kc")?.numbers()?;
-    refuse_skewed_pixels(k[(0, 0)], k[(1, 1)], k[(0, 1)])?;
     refuse_further_coefficients(&lens[2..])?;
+    let square = Calibration::from_rows(&k.numbers()?, Pixels::Centre)?.with_square_pixels(size)?;
     // C = −Rᵀ T, cm to m; then from the far left corner with y towards the camera and z down to our
     // world.
     let centre = -(rotation.transpose() * translation) / CM;
-    let shift = Pixels::Centre.to_corner_px();
     let pinhole = Pinhole {
         cam_from_world: flip_rotation(&rotation),
         position_m: Vec3::new(
@@ -45,19 +52,68 @@ fn camera(bytes: &[u8], court: &FieldModel) -> Result<(Pinhole, ImageSize), Prob
             court.width_m / 2.0 - centre.y,
             -centre.z,
         ),
-        focal_px: k[(0, 0)],
-        principal_point: ImagePoint::new(k[(0, 2)] + shift, k[(1, 2)] + shift),
+        focal_px: square.focal_px,
+        principal_point: square.principal_point,
         lens: Radial {
             k1: lens[0],
             k2: lens[1],
         },
     };
-    Ok((pinhole.validate("the camera")?, size))
+    let shown = FrameProjection::Camera(pinhole.validate("the camera")?);
+    Ok(FrameCamera {
+        off_px: square.off_px,
+        ..FrameCamera::new(name, Some(size), shown)
+    })
 }
 
-/// The 3 × 3 matrix under a key, stored by rows.
-fn matrix(node: &Node<'_>, key: &str) -> Result<Mat3, Problem> {
-    Ok(Mat3::from_row_slice(&node.key(key)?.numbers::<9>()?))
+/// The frame of a file with one camera.
+fn read_file(stem: &str, bytes: &[u8], court: &FieldModel) -> Result<FrameCamera, Problem> {
+    let value = parse(bytes)?;
+    let node = Node::root(&value).key("calibration")?;
+    let size = node.size_at("img_width", "img_height")?;
+    Ok(FrameCamera {
+        // The pictures of a camera file have its name with an offset behind it; the one of the
+        // stated time has 0.
+        image: Some(format!("{stem}_0.png")),
+        ..frame(stem, &node, (&node.key("KK")?, size), court)?
+    })
+}
+
+/// The frames of the challenge's list: the size of all pictures first, and then a camera a picture;
+/// none where the file has no list.
+fn read_list(bytes: &[u8], court: &FieldModel) -> Result<Option<Vec<FrameCamera>>, Problem> {
+    let value = parse(bytes)?;
+    let root = Node::root(&value);
+    let Ok(items) = root.items() else {
+        return Ok(None);
+    };
+    let mut size_of_all = None;
+    let mut frames = FrameCollector::default();
+    for node in items {
+        if node.find("K").is_none() && node.find("width").is_some() {
+            size_of_all = Some(node.size_at("width", "height")?);
+            continue;
+        }
+        let name = format!("{:06}", frames.len());
+        // A camera may state a size of its own, as a list of one number.
+        let size = size_of_all.map_or_else(|| size_in_lists(&node), Ok);
+        let read = size.and_then(|size| frame(&name, &node, (&node.key("K")?, size), court));
+        frames.add(&name, None, read);
+        if frames.has_only_damaged() {
+            break;
+        }
+    }
+    frames.finish().map(Some)
+}
+
+/// The size that a camera of the challenge states.
+fn size_in_lists(node: &Node<'_>) -> Result<ImageSize, Problem> {
+    let [width]: [f64; 1] = node.key("width")?.numbers()?;
+    let [height]: [f64; 1] = node.key("height")?.numbers()?;
+    Ok(ImageSize::new(
+        side_px("width", width)?,
+        side_px("height", height)?,
+    ))
 }
 
 impl CameraFormat for DeepSport {
@@ -69,9 +125,18 @@ impl CameraFormat for DeepSport {
             users: "DeepSport, calib3d",
             loses: None,
             file: None,
-            files: "camera files (camcourt….json)",
+            files: "camera files (.json)",
             endings: &["json"],
-            options: &[],
+            export_options: &[],
+            import_options: format_options::CAMERAS_IN,
+        }
+    }
+
+    fn exactness(&self) -> Exactness {
+        // Rotations are stored as 32-bit numbers, and a place is computed from each anew.
+        Exactness {
+            angle_rad: 1e-6,
+            place_m: 5e-5,
         }
     }
 
@@ -83,15 +148,14 @@ impl CameraFormat for DeepSport {
         // The origin is a corner of the court, so that its size must be known to find the middle.
         // The import has put its folder before the name of a template of the user's own.
         let court = options.field.model(Path::new(""))?;
+        if let [(file, bytes)] = files.sorted_entries()[..]
+            && let Some(frames) =
+                read_list(bytes, &court).map_err(|problem| problem.within(file))?
+        {
+            return Ok(frames);
+        }
         read_frame_files(&files.sorted_entries(), without_ending, |stem, bytes| {
-            let (pinhole, size) = camera(bytes, &court)?;
-            let frame = FrameCamera::new(stem, Some(size), FrameProjection::Camera(pinhole));
-            Ok(FrameCamera {
-                // The pictures of a camera file have its name with an offset behind it; the one
-                // of the stated time has 0.
-                image: Some(format!("{stem}_0.png")),
-                ..frame
-            })
+            read_file(stem, bytes, &court)
         })
     }
 }
@@ -102,6 +166,7 @@ mod tests {
     use crate::document::FieldSpec;
     use crate::exchange::Format;
     use serde_json::{Value, json};
+    use touchline_core::geometry::ImagePoint;
 
     fn published() -> Value {
         json!({ "calibration": {

@@ -1,25 +1,27 @@
 //! OpenCV's `FileStorage` YAML, one file per frame: `image_width`, `image_height`, `camera_matrix`,
-//! `distortion_coefficients` (k1 k2 p1 p2 k3), `rvec` (Rodrigues) and `tvec` (−R C).
+//! `distortion_coefficients` (k1 k2 p1 p2 k3), `rvec` (Rodrigues) and `tvec` (−R C). Its XML and
+//! JSON are read too, and `R` and `T` in place of the vectors.
 //!
 //! World and camera axes are ours, metres; pixels count from the first one's centre, so the
 //! principal point is ours − 0.5.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
+use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use crate::exchange::cameras::unreadable::read_frame_files;
+use crate::exchange::cameras::square_pixels::Calibration;
+use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem, text};
 use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
-use crate::exchange::syntax::table::number;
-use crate::exchange::syntax::values::{
-    coefficient, refuse_further_coefficients, refuse_skewed_pixels, shorten, side_px,
-};
+use crate::exchange::syntax::node::{Node, parse};
+use crate::exchange::syntax::table::{number, numbers};
+use crate::exchange::syntax::values::{coefficient, refuse_further_coefficients, shorten, side_px};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use touchline_core::camera::Radial;
 use touchline_core::geometry::rotation::{from_rotation_vector, rotation_vector};
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 
 /// The format.
 pub struct OpenCvYaml;
@@ -141,36 +143,121 @@ fn entries(text: &str) -> Result<Entries, Problem> {
     Ok(found)
 }
 
-fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
-    let entries = entries(text(bytes)?)?;
-    let size = ImageSize::new(
-        side(&entries, "image_width")?,
-        side(&entries, "image_height")?,
-    );
+/// The entries of any of the three forms of `FileStorage`.
+fn entries_of_file(name: &str, bytes: &[u8]) -> Result<Entries, Problem> {
+    if has_ending(name, "json") {
+        return entries_of_json(bytes);
+    }
+    if has_ending(name, "xml") {
+        return entries_of_xml(text(bytes)?);
+    }
+    entries(text(bytes)?)
+}
+
+/// The numbers and matrices of JSON.
+fn entries_of_json(bytes: &[u8]) -> Result<Entries, Problem> {
+    let value = parse(bytes)?;
+    let mut found = Entries::new();
+    for (key, node) in Node::root(&value).entries()? {
+        let values = match node.find("data") {
+            Some(data) => data.all_numbers()?,
+            // Texts such as a camera's name are skipped.
+            None => node.number().into_iter().collect(),
+        };
+        found.insert(key.to_owned(), values);
+    }
+    Ok(found)
+}
+
+/// The numbers and matrices of XML.
+fn entries_of_xml(text: &str) -> Result<Entries, Problem> {
+    let xml =
+        roxmltree::Document::parse(text).map_err(|error| Problem::NotXml(error.to_string()))?;
+    let mut found = Entries::new();
+    let entries = xml.root_element().children();
+    for entry in entries.filter(roxmltree::Node::is_element) {
+        let key = entry.tag_name().name();
+        let data = entry.children().find(|child| child.has_tag_name("data"));
+        let values = match data.and_then(|data| data.text()) {
+            Some(data) => numbers(key, data)?,
+            None => number(key, entry.text().unwrap_or_default().trim())
+                .into_iter()
+                .collect(),
+        };
+        found.insert(key.to_owned(), values);
+    }
+    Ok(found)
+}
+
+/// The rotation from `world` to `cam`: a vector of Rodrigues, or a matrix by rows.
+fn rotation_of(entries: &Entries) -> Result<Mat3, Problem> {
+    if entries.contains_key("R") && !entries.contains_key("rvec") {
+        return Ok(Mat3::from_row_slice(values_of(entries, "R", 9)?));
+    }
+    let vector = Vec3::from_column_slice(values_of(entries, "rvec", 3)?);
+    Ok(from_rotation_vector(vector))
+}
+
+/// The picture's size: the file's, else that of the options.
+fn size_of(entries: &Entries, options: &ImportOptions) -> Result<ImageSize, Problem> {
+    if let Some(size) = options
+        .size
+        .filter(|_| !entries.contains_key("image_width"))
+    {
+        return Ok(size);
+    }
+    if !entries.contains_key("image_width") {
+        return Err(Problem::OptionNeeded {
+            what: "the size of the picture (image_width, image_height)".to_owned(),
+            option: "--size WIDTHxHEIGHT",
+        });
+    }
+    Ok(ImageSize::new(
+        side(entries, "image_width")?,
+        side(entries, "image_height")?,
+    ))
+}
+
+/// The frame of a file.
+fn read_file(
+    (file, name): (&str, &str),
+    bytes: &[u8],
+    options: &ImportOptions,
+) -> Result<FrameCamera, Problem> {
+    let entries = entries_of_file(file, bytes)?;
     // By rows: f 0 cx, 0 f cy, 0 0 1.
-    let k = values_of(&entries, "camera_matrix", 9)?;
-    refuse_skewed_pixels(k[0], k[4], k[1])?;
+    let mut k = [0.0; 9];
+    k.copy_from_slice(values_of(&entries, "camera_matrix", 9)?);
+    let size = size_of(&entries, options)?;
+    let square = Calibration::from_rows(&k, Pixels::Centre)?.with_square_pixels(size)?;
     // OpenCV writes 4, 5, 8, 12 or 14 coefficients, k1 and k2 first; without the entry there is no
     // distortion.
     let lens = entries
         .get("distortion_coefficients")
         .map_or(&[][..], Vec::as_slice);
     refuse_further_coefficients(lens.get(2..).unwrap_or_default())?;
-    let rotation = Vec3::from_column_slice(values_of(&entries, "rvec", 3)?);
-    let translation = Vec3::from_column_slice(values_of(&entries, "tvec", 3)?);
-    let cam_from_world = from_rotation_vector(rotation);
-    let shift = Pixels::Centre.to_corner_px();
+    let cam_from_world = rotation_of(&entries)?;
+    let key = if entries.contains_key("T") && !entries.contains_key("tvec") {
+        "T"
+    } else {
+        "tvec"
+    };
+    let translation = Vec3::from_column_slice(values_of(&entries, key, 3)?);
     let pinhole = Pinhole {
         cam_from_world,
         position_m: -(cam_from_world.transpose() * translation),
-        focal_px: k[0],
-        principal_point: ImagePoint::new(k[2] + shift, k[5] + shift),
+        focal_px: square.focal_px,
+        principal_point: square.principal_point,
         lens: Radial {
             k1: coefficient(lens, 0),
             k2: coefficient(lens, 1),
         },
     };
-    Ok((pinhole.validate("the camera")?, size))
+    let shown = FrameProjection::Camera(pinhole.validate("the camera")?);
+    Ok(FrameCamera {
+        off_px: square.off_px,
+        ..FrameCamera::new(name, Some(size), shown)
+    })
 }
 
 /// The numbers of an entry, which must be this many.
@@ -210,9 +297,10 @@ impl CameraFormat for OpenCvYaml {
             users: "OpenCV FileStorage, robotics",
             loses: Some("time, uncertainty"),
             file: None,
-            files: "camera files (.yml)",
-            endings: &["yml", "yaml"],
-            options: &[],
+            files: "camera files (.yml, .xml, .json)",
+            endings: &["yml", "yaml", "xml", "json"],
+            export_options: format_options::CAMERAS_OUT,
+            import_options: format_options::CAMERAS_IN,
         }
     }
 
@@ -233,17 +321,31 @@ impl CameraFormat for OpenCvYaml {
     fn read(
         &self,
         files: &Files,
-        _options: &ImportOptions,
+        options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        read_frame_files(&files.sorted_entries(), stem, |name, bytes| {
-            let (pinhole, size) = camera(bytes)?;
-            Ok(FrameCamera::new(
-                name,
-                Some(size),
-                FrameProjection::Camera(pinhole),
-            ))
-        })
+        // XML and JSON may be anything, beside the YAML that is meant.
+        let mut sorted = files.sorted_entries();
+        if sorted.len() > 1 {
+            sorted.retain(|(name, bytes)| is_yaml(name) || has_camera(bytes));
+        }
+        let mut frames = FrameCollector::default();
+        for (file, bytes) in &sorted {
+            let name = stem(file);
+            frames.add(name, Some(file), read_file((file, name), bytes, options));
+        }
+        let first = sorted.first().map_or("", |(file, _)| *file);
+        frames.finish().map_err(|problem| problem.within(first))
     }
+}
+
+fn is_yaml(name: &str) -> bool {
+    has_ending(name, "yml") || has_ending(name, "yaml")
+}
+
+/// Whether a file speaks of a calibration matrix.
+fn has_camera(bytes: &[u8]) -> bool {
+    let wanted = b"camera_matrix";
+    bytes.windows(wanted.len()).any(|window| window == wanted)
 }
 
 #[cfg(test)]
@@ -290,7 +392,7 @@ mod tests {
         let one = text_of(&export_as(&reference(), Format::OpenCv).files, "0001.yml");
         let broken = one.replace("959.5, ", "959.5,\n       ");
         assert_ne!(one, broken);
-        assert_eq!(camera(one.as_bytes()), camera(broken.as_bytes()));
+        assert_eq!(entries(&one), entries(&broken));
     }
 
     #[test]
@@ -299,7 +401,7 @@ mod tests {
         let swap = |from: &str, to: &str| good.replacen(from, to, 1);
         for (text, wanted) in [
             (String::new(), "the file is empty"),
-            ("%YAML:1.0\n---\n".to_owned(), "image_width is missing"),
+            ("%YAML:1.0\n---\n".to_owned(), "camera_matrix is missing"),
             (swap("rvec", "om"), "rvec is missing"),
             (
                 swap("image_width: 1920", "image_width: 0"),
@@ -312,9 +414,11 @@ mod tests {
             (
                 swap(
                     "2410.0, 0.0, 959.5, 0.0, 2410.0",
-                    "2410.0, 0.0, 959.5, 0.0, 2400.0",
+                    "2410.0, 0.0, 959.5, 0.0, 2390.0",
                 ),
-                "focal lengths 2410 and 2400 px, skew 0 cannot be read: pixels must be square",
+                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square \
+                 pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture \
+                 to square pixels",
             ),
             (
                 swap("959.5, ", ""),
@@ -348,5 +452,67 @@ mod tests {
                 .to_string();
             assert_eq!(error, format!("a.yml: {wanted}"));
         }
+    }
+
+    #[test]
+    fn the_other_forms_of_the_storage_mean_the_same() {
+        let yaml = text_of(&export_as(&reference(), Format::OpenCv).files, "0001.yml");
+        let read = |name: &str, text: String, options: &ImportOptions| {
+            let files = Files::one(name, text.into_bytes());
+            OpenCvYaml.read(&files, options).unwrap().remove(0)
+        };
+        let stated = ImportOptions::default();
+        let wanted = read("0001.yml", yaml.clone(), &stated);
+        let entries = entries(&yaml).unwrap();
+        let mut json = serde_json::Map::new();
+        let mut xml = "<?xml version=\"1.0\"?>\n<opencv_storage>".to_owned();
+        for (key, values) in &entries {
+            let texts: Vec<String> = values.iter().map(ToString::to_string).collect();
+            if let [value] = values[..] {
+                json.insert(key.clone(), value.into());
+                let _ = write!(xml, "<{key}>{value}</{key}>");
+            } else {
+                json.insert(
+                    key.clone(),
+                    serde_json::json!({ "dt": "d", "data": values }),
+                );
+                let _ = write!(
+                    xml,
+                    "<{key} type_id=\"opencv-matrix\"><dt>d</dt><data>{}</data></{key}>",
+                    texts.join(" ")
+                );
+            }
+        }
+        xml.push_str("</opencv_storage>");
+        let json = serde_json::Value::Object(json).to_string();
+        assert_eq!(read("0001.json", json, &stated), wanted);
+        assert_eq!(read("0001.xml", xml, &stated), wanted);
+        // A matrix in place of the vector, and the size from the option.
+        let rotation = wanted.pinhole().unwrap().cam_from_world;
+        let rows: Vec<String> = rotation
+            .transpose()
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        let at = yaml.find("rvec:").unwrap();
+        let end = yaml.find("tvec:").unwrap();
+        let matrix = format!(
+            "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ {} ]\n",
+            rows.join(", ")
+        );
+        let other = format!(
+            "{}{matrix}{}",
+            &yaml[..at],
+            yaml[end..].replace("tvec:", "T:")
+        );
+        let other = other.replace("image_width: 1920\nimage_height: 1080\n", "");
+        let sized = ImportOptions {
+            size: Some(ImageSize::new(1920, 1080)),
+            ..ImportOptions::default()
+        };
+        let again = read("0001.yml", other, &sized);
+        let [one, two] = [&wanted, &again].map(|frame| *frame.pinhole().unwrap());
+        assert!((one.cam_from_world - two.cam_from_world).amax() < 1e-15);
+        assert!((one.position_m - two.position_m).amax() < 1e-12);
     }
 }

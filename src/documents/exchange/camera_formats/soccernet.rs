@@ -9,13 +9,15 @@
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::picture_size::SizeSource;
+use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem};
 use crate::exchange::format::About;
-use crate::exchange::options::ImportOptions;
+use crate::exchange::format_options;
+use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse};
-use crate::exchange::syntax::values::{refuse_further_coefficients, refuse_oblong_pixels};
+use crate::exchange::syntax::values::refuse_further_coefficients;
 use serde_json::{Value, json};
 use touchline_core::camera::Radial;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3, pluralise};
@@ -123,16 +125,15 @@ fn to_json(pinhole: &Pinhole) -> Value {
     })
 }
 
-/// A camera of their ten keys.
+/// A camera of their ten keys, and how far it is from the file's own at most, px.
 ///
 /// # Errors
 /// A key is missing or invalid, or the lens has distortion that the document cannot represent.
-pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
+pub(super) fn from_json(node: &Node<'_>) -> Result<(Pinhole, f64), Problem> {
     let [fx, fy] = [
         node.key("x_focal_length")?.positive()?,
         node.key("y_focal_length")?.positive()?,
     ];
-    refuse_oblong_pixels(fx, fy)?;
     // k1 and k2, the third of the numerator and the three of the denominator of OpenCV's rational
     // model. All ten keys are required, as their loader requires them.
     let radial: [f64; 6] = node.key("radial_distortion")?.numbers()?;
@@ -145,26 +146,32 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<Pinhole, Problem> {
     refuse_further_coefficients(&others)?;
     let angles = node.numbers_at(["pan_degrees", "tilt_degrees", "roll_degrees"])?;
     let [x, y]: [f64; 2] = node.key("principal_point")?.numbers()?;
-    Pinhole {
+    let calibration = Calibration {
+        fx,
+        fy,
+        skew: 0.0,
+        principal_point: ImagePoint::new(x, y),
+    };
+    // The files state no size; readers take twice the principal point.
+    let size = ImageSize::new((2.0 * x) as u32, (2.0 * y) as u32);
+    let square = calibration.with_square_pixels(size)?;
+    let pinhole = Pinhole {
         cam_from_world: flip_rotation(&rotation_of(angles)),
         position_m: flip_point(Vec3::from(node.key("position_meters")?.numbers::<3>()?)),
-        focal_px: fx,
-        principal_point: ImagePoint::new(x, y),
+        focal_px: square.focal_px,
+        principal_point: square.principal_point,
         lens: Radial {
             k1: radial[0],
             k2: radial[1],
         },
-    }
-    .validate("the camera")
+    };
+    Ok((pinhole.validate("the camera")?, square.off_px))
 }
 
 /// Usual aspect ratios (width / height) of pictures.
 const USUAL_PROPORTIONS: [f64; 5] = [16.0 / 9.0, 4.0 / 3.0, 3.0 / 2.0, 256.0 / 135.0, 5.0 / 4.0];
 /// Tolerance of the aspect ratio, because sides are whole numbers.
 const SAME_PROPORTIONS: f64 = 0.005;
-
-/// Maximum number of damaged samples at the beginning of a list.
-const MAX_DAMAGED: usize = 1000;
 
 /// The picture size if the principal point is its middle; none where that gives no whole numbers or
 /// an unusual aspect ratio, which means that the principal point is not in the middle.
@@ -178,6 +185,28 @@ pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
         .any(|usual| (width / height / usual - 1.0).abs() < SAME_PROPORTIONS);
     (is_whole_side(width) && is_whole_side(height) && is_usual)
         .then(|| ImageSize::new(width.round() as u32, height.round() as u32))
+}
+
+/// What is said of cameras whose pixels are counted from the first one's centre.
+const PIXEL_CENTRES: &str = "the principal point is the middle of a picture whose pixels are \
+ counted from the first one's centre; \
+     half a pixel is added";
+
+/// The camera in our pixels and the size of its picture, where its principal point is the middle of
+/// a picture whose pixels are counted from the first one's centre: (479.5, 269.5) is that of 960 ×
+/// 540, and by itself would be that of 959 × 539.
+fn from_pixel_centres(pinhole: &Pinhole) -> Option<(Pinhole, ImageSize)> {
+    let at = pinhole.principal_point;
+    let shift = Pixels::Centre.to_corner_px();
+    let shifted = ImagePoint::new(at.x + shift, at.y + shift);
+    // Both sides of a usual picture are even.
+    let size = size_by_principal_point(shifted)?;
+    let is_even = |side: u32| side.is_multiple_of(2);
+    let pinhole = Pinhole {
+        principal_point: shifted,
+        ..*pinhole
+    };
+    (is_even(size.width) && is_even(size.height)).then_some((pinhole, size))
 }
 
 /// Whether a length is a whole number that a picture may have as its side.
@@ -198,9 +227,19 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
 }
 
 /// The frame of a camera, whose principal point is the only thing that states its picture's size.
-fn frame_from_pinhole(name: &str, pinhole: Pinhole) -> FrameCamera {
+fn frame_from_pinhole(name: &str, (pinhole, off_px): (Pinhole, f64)) -> FrameCamera {
+    if let Some((pinhole, size)) = from_pixel_centres(&pinhole) {
+        return FrameCamera {
+            off_px,
+            remark: Some(PIXEL_CENTRES),
+            ..FrameCamera::new(name, Some(size), FrameProjection::Camera(pinhole))
+        };
+    }
     let size = size_by_principal_point(pinhole.principal_point);
-    FrameCamera::new(name, size, FrameProjection::Camera(pinhole))
+    FrameCamera {
+        off_px,
+        ..FrameCamera::new(name, size, FrameProjection::Camera(pinhole))
+    }
 }
 
 fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
@@ -229,9 +268,7 @@ fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
         let pinhole = named.and_then(|_| from_json(&sample));
         let frame = pinhole.map(|pinhole| frame_from_pinhole(&name, pinhole));
         frames.add(&name, None, frame);
-        // Each damaged sample takes memory for its message. A list that begins with more of them
-        // is none of theirs, however long it is.
-        if frames.has_only_damaged(MAX_DAMAGED) {
+        if frames.has_only_damaged() {
             break;
         }
     }
@@ -263,7 +300,8 @@ impl CameraFormat for SoccerNet {
             file: None,
             files: "camera files (camera_….json)",
             endings: &["json"],
-            options: &[],
+            export_options: format_options::CAMERAS_OUT,
+            import_options: format_options::CAMERAS_IN,
         }
     }
 
@@ -363,7 +401,8 @@ impl CameraFormat for PnlCalib {
             file: None,
             files: "camera files (.json)",
             endings: &["json"],
-            options: &[],
+            export_options: &[],
+            import_options: format_options::CAMERAS_IN,
         }
     }
 
@@ -564,8 +603,10 @@ mod tests {
                 "x_focal_length is 0, which must be above 0",
             ),
             (
-                with("y_focal_length", json!(2400.0)),
-                "focal lengths 2410 and 2400 px cannot be read: pixels must be square",
+                with("y_focal_length", json!(2390.0)),
+                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square \
+                 pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture \
+                 to square pixels",
             ),
             (
                 with("radial_distortion", json!([0.1, 0.0, 0.3, 0.0, 0.0, 0.0])),

@@ -13,7 +13,8 @@ use crate::exchange::cameras::held::{parts, with};
 use crate::exchange::cameras::into_document::FreeNames;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
-use crate::exchange::format::{About, FormatOption};
+use crate::exchange::format::About;
+use crate::exchange::format_options::FormatOption;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::table::{number, numbers};
 use crate::exchange::syntax::values::{frame_number, side_px};
@@ -263,11 +264,16 @@ impl CameraFormat for Usda {
             file: Some("camera.usda"),
             files: "stage (.usda)",
             endings: &[],
-            options: &[
-                FormatOption::Track,
-                FormatOption::Sensor,
-                FormatOption::Stage,
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Interpolate,
+                FormatOption::Takes,
+                FormatOption::Fps,
+                FormatOption::SensorMm,
+                FormatOption::StageOrigin,
+                FormatOption::StageHeading,
             ],
+            import_options: &[],
         }
     }
 

@@ -75,6 +75,10 @@ pub struct FrameCamera {
     pub rate: Option<Rate>,
     /// Status, source and quality of its camera.
     pub record: Record,
+    /// How far its camera is at most from the file's own, which no document can have, px.
+    pub off_px: f64,
+    /// What a user should know of how its file is taken.
+    pub remark: Option<&'static str>,
     /// Why it has no camera, where its file is damaged.
     pub unreadable: Option<Unreadable>,
 }
@@ -126,6 +130,8 @@ impl FrameCamera {
             pts_s: None,
             rate: None,
             record: Record::default(),
+            off_px: 0.0,
+            remark: None,
             unreadable: None,
         }
     }

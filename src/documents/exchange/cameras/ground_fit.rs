@@ -9,6 +9,7 @@ use super::frame_camera::Pinhole;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
+use touchline_core::score::PlaneView;
 
 /// The homography is fitted on a grid of this many pixels in each direction.
 const GRID: u32 = 24;
@@ -46,6 +47,30 @@ pub fn fit_image_from_ground(
     // A homography of at least four pairs was found, so that there is a first one.
     let depth = fitted.row(2) * Vec3::new(pairs[0].0.x, pairs[0].0.y, 1.0);
     Some(fitted * depth[0].signum())
+}
+
+/// How far a camera shows the ground from where a homography does at most, px, over the field that
+/// a picture of this size shows. None where it shows none of it.
+#[must_use]
+pub fn misfit_px(
+    image_from_ground: &Mat3,
+    pinhole: &Pinhole,
+    size: ImageSize,
+    field: &FieldModel,
+) -> Option<f64> {
+    let view = PlaneView::new(image_from_ground, size)?;
+    let camera = pinhole.ptz_camera()?;
+    let half_m = [0.5 * field.length_m, 0.5 * field.width_m];
+    let pixels = (0..GRID)
+        .flat_map(|column| (0..GRID).map(move |row| size.cell_centre([column, row], [GRID; 2])));
+    let shown = pixels.filter_map(|pixel| Some((view.ground_from_image(pixel)?, pixel)));
+    let shown = shown.filter(|(at, _)| at.x.abs() <= half_m[0] && at.y.abs() <= half_m[1]);
+    // Ground behind the camera is as far as can be.
+    let off_px = shown.map(|(ground, pixel)| {
+        let image = camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0));
+        image.map_or(f64::INFINITY, |image| image.distance_px(pixel))
+    });
+    off_px.reduce(f64::max)
 }
 
 /// The point (x, y) of the field's plan that a pixel shows, m.

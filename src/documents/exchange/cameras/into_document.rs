@@ -2,8 +2,8 @@
 
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::document::{
-    Camera, CameraId, Distortion, Document, FieldSpec, Frame, FramePtz, FrameStatus, Shared,
-    Solution, SolutionSource, VideoFrame,
+    Camera, CameraId, Distortion, Document, FieldSpec, Frame, FrameLens, FramePtz, FrameStatus,
+    Shared, Solution, SolutionSource, VideoFrame,
 };
 use nalgebra::SymmetricEigen;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,6 +17,9 @@ const SAME_PLACE_M: f64 = 1e-6;
 /// The minimum spread of pans that determines the pan axis: the second smallest eigenvalue of the
 /// mean of x xᵀ over the frames' x axes.
 const MIN_PAN_SPREAD: f64 = 1e-6;
+/// A roll of frames of one place that no common axis explains is dropped up to this angle: 0.2 px at
+/// the border of a picture of 1920 px. Trackers leave as much of it in each frame.
+const SMALL_ROLL_RAD: f64 = 2e-4;
 /// Ground farther from the middle of the field is not used to fit a camera, m.
 const WIDEST_GROUND_M: f64 = 150.0;
 /// A camera is fitted to a homography on a grid of this many steps in each direction.
@@ -54,25 +57,27 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
     // Frames that may share a camera, by index. Their order within a group is that of the file, so
     // that a camera is named and based on its first frame.
     let groups = group_by_position(frames, exact.place_m);
-    let mut made: Vec<Option<(CameraId, FramePtz)>> = vec![None; frames.len()];
+    let mut made: Vec<Option<Solved>> = vec![None; frames.len()];
     for group in groups {
         let views: Vec<&Pinhole> = group.iter().map(|&index| &frames[index].2).collect();
-        let axis = pan_axis(&views, exact.angle_rad);
-        let lens = lens_of(&views);
-        // Frames of one position without a common pan axis or lens get a camera each. A lens that
-        // no curve describes leaves its frame out; `Pinhole::validate` refuses such lenses.
-        let parts: Vec<(Vec<usize>, Vec3, FocalCurve)> = match axis.zip(lens) {
-            Some((axis, lens)) => vec![(group, axis, lens)],
+        let common_lens = lens_of(&views);
+        // Frames of one position without a common pan axis get a camera each. A lens that no curve
+        // describes leaves its frame out; `Pinhole::validate` refuses such lenses.
+        let axis = pan_axis(&views, exact.angle_rad).or_else(|| pan_axis(&views, SMALL_ROLL_RAD));
+        let parts: Vec<(Vec<usize>, Vec3)> = match axis {
+            Some(axis) => vec![(group, axis)],
             None => group
                 .into_iter()
-                .filter_map(|index| {
-                    let view = &frames[index].2;
-                    Some((vec![index], upright_axis(view), view.curve()?))
-                })
+                .map(|index| (vec![index], upright_axis(&frames[index].2)))
                 .collect(),
         };
-        for (members, axis, curve) in parts {
+        for (members, axis) in parts {
             let (first, size, view) = &frames[members[0]];
+            // Frames without a common lens keep their own beside that of the first.
+            let has_own_lens = common_lens.is_none() && members.len() > 1;
+            let Some(curve) = common_lens.or_else(|| view.curve()) else {
+                continue;
+            };
             // The gauge of pan zero is that of the program (`rotation_about`), so that cameras of
             // one place have comparable pans, whatever the file counts from.
             let base = CameraBase {
@@ -107,18 +112,27 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                 };
                 // The frame records the lens as the curve gives it, within `SAME_LENS` of the one
                 // that was read.
-                let lens =
-                    Some(base.distortion.radial_at(view.focal_px)).filter(|lens| !lens.is_none());
-                made[index] = Some((id.clone(), FramePtz::new(ptz, lens)));
+                let radial = if has_own_lens {
+                    view.lens
+                } else {
+                    base.distortion.radial_at(view.focal_px)
+                };
+                let recorded = Some(radial).filter(|lens| !lens.is_none());
+                made[index] = Some(Solved {
+                    camera: id.clone(),
+                    ptz: FramePtz::new(ptz, recorded),
+                    lens: has_own_lens
+                        .then(|| FrameLens::new(view.focal_px, view.principal_point, view.lens)),
+                });
             }
         }
     }
     // The document has its frames in the order in which they were read, not camera by camera.
     for ((frame, size, _), made) in frames.iter().zip(made) {
-        if let Some((camera, ptz)) = made {
+        if let Some(solved) = made {
             document
                 .frames
-                .push(document_frame(frame, camera, *size, ptz).into());
+                .push(document_frame(frame, *size, solved).into());
         }
     }
     // What another program does not state is not known exactly.
@@ -131,14 +145,24 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
     document
 }
 
+/// What the document says of the camera of a frame.
+#[derive(Clone)]
+struct Solved {
+    camera: CameraId,
+    ptz: FramePtz,
+    /// The lens of the frame, where that of the camera is not its own.
+    lens: Option<FrameLens>,
+}
+
 /// The document's frame of a solved view. New and rejected frames become suggestions.
-fn document_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize, ptz: FramePtz) -> Frame {
-    let mut made = unsolved_frame(frame, camera, size);
+fn document_frame(frame: &FrameCamera, size: ImageSize, solved: Solved) -> Frame {
+    let mut made = unsolved_frame(frame, solved.camera, size);
+    made.lens = solved.lens;
     made.status = match frame.record.status {
         FrameStatus::New | FrameStatus::Rejected => FrameStatus::Suggested,
         known => known,
     };
-    made.ptz = Some(ptz);
+    made.ptz = Some(solved.ptz);
     made.solution = Some(Solution {
         source: Some(SolutionSource::Import),
         rms_px: frame.record.rms_px,
@@ -167,8 +191,7 @@ pub(in crate::exchange) fn unsolved_frame(
     }
 }
 
-/// Groups of frames (by index) that may share a camera: equal position, camera name, size and
-/// principal point.
+/// Groups of frames (by index) that may share a camera: equal position, camera name and size.
 fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     // A hash grid of the groups' first frames, with cells of the tolerance's size, because a data
@@ -199,12 +222,10 @@ fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
 
 /// Whether two frames may share a camera.
 fn may_share_camera(first: &View, other: &View, place_m: f64) -> bool {
-    // Size and principal point belong to a camera of the document, not to its frames. The principal
-    // point is compared to rounding, 1e-9 px.
+    // The size belongs to a camera of the document, not to its frames.
     first.1 == other.1
         && first.0.camera == other.0.camera
         && (first.2.position_m - other.2.position_m).amax() <= place_m
-        && first.2.principal_point.distance_px(other.2.principal_point) < 1e-9
 }
 
 /// A cell and its 26 neighbours.
@@ -306,9 +327,17 @@ fn upright_axis(view: &Pinhole) -> Vec3 {
     upright.normalize()
 }
 
-/// The common lens of all views: k₁ linear in the focal length, and k₂ a constant multiple of k₁².
-/// None if no such lens fits all of them.
+/// The common lens of all views: one principal point, k₁ linear in the focal length, and k₂ a
+/// constant multiple of k₁². None if no such lens fits all of them.
 fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
+    // The principal point is compared to rounding, 1e-9 px.
+    let centre = views.first()?.principal_point;
+    if views
+        .iter()
+        .any(|view| view.principal_point.distance_px(centre) >= 1e-9)
+    {
+        return None;
+    }
     let low = views
         .iter()
         .min_by(|a, b| a.focal_px.total_cmp(&b.focal_px))?;

@@ -12,4 +12,5 @@ pub mod ground_fit;
 pub mod held;
 pub mod into_document;
 pub mod picture_size;
+pub mod square_pixels;
 pub mod unreadable;

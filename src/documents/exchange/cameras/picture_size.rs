@@ -101,13 +101,13 @@ impl FittedSizes {
         self.first.get_or_insert((stated, picture));
     }
 
-    /// The note about them.
+    /// The note about them; `what` is one of them.
     #[must_use]
-    pub fn note(&self) -> Option<String> {
+    pub fn note(&self, what: &str) -> Option<String> {
         let (stated, picture) = self.first?;
         Some(format!(
             "{} rescaled to the size of the pictures, the first from {} × {} to {} × {}",
-            pluralise(self.rescaled, "camera"),
+            pluralise(self.rescaled, what),
             stated.width,
             stated.height,
             picture.width,

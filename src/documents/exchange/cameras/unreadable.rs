@@ -12,7 +12,10 @@ use crate::exchange::syntax::values::shorten;
 use touchline_core::files::plain;
 use touchline_core::geometry::{ImageSize, pluralise};
 
-/// The most files that a note names.
+/// Maximum number of damaged frames at the beginning of a file.
+const MAX_DAMAGED: usize = 1000;
+
+/// The most of them that a line names.
 const MAX_NAMED: usize = 3;
 
 /// Reads files with one frame each, by name with their bytes. A damaged file is a frame without a
@@ -63,9 +66,15 @@ impl FrameCollector {
         }
     }
 
-    /// Whether more than `count` frames were added and all of them are damaged.
-    pub fn has_only_damaged(&self, count: usize) -> bool {
-        !self.is_any_read && self.frames.len() > count
+    /// How many frames were added.
+    pub const fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether many frames were added and all of them are damaged. Each takes memory for its
+    /// message, and a file that begins so is not of the format, however long it is.
+    pub const fn has_only_damaged(&self) -> bool {
+        !self.is_any_read && self.frames.len() > MAX_DAMAGED
     }
 
     /// The frames in the order in which they were added.
@@ -92,34 +101,45 @@ fn frame_without_camera(name: &str, file: Option<&str>, problem: &Problem) -> Fr
     }
 }
 
-/// The note about frames without a camera; none where there is none. `frames` are all that were
+/// The line about frames without a camera; none where there is none. `frames` are all that were
 /// read.
-pub fn note_unreadable(frames: &[FrameCamera]) -> Option<String> {
-    let mut named = Vec::new();
+pub fn describe_unreadable_frames(frames: &[FrameCamera]) -> Option<String> {
     // A frame that was read but fits no camera has no file of its own to name; then all are called
     // frames.
-    let (mut unreadable, mut has_files) = (0_usize, true);
+    let mut has_files = true;
+    let mut named = Vec::new();
     for frame in frames {
-        let Some(Unreadable { file, problem }) = &frame.unreadable else {
-            continue;
-        };
-        unreadable += 1;
-        has_files &= file.is_some();
-        if named.len() < MAX_NAMED {
-            let name = file.as_deref().unwrap_or(&frame.name);
-            named.push(format!("{} ({})", shorten(name), plain(problem)));
+        if let Some(Unreadable { file, problem }) = &frame.unreadable {
+            has_files &= file.is_some();
+            named.push((file.as_deref().unwrap_or(&frame.name), problem.clone()));
         }
     }
-    if unreadable > MAX_NAMED {
-        named.push("…".to_owned());
-    }
     let kind = if has_files { "file" } else { "frame" };
-    let verb = if unreadable == 1 { "has" } else { "have" };
-    (unreadable > 0).then(|| {
+    describe_unreadable(&named, [named.len(), frames.len()], kind, "camera")
+}
+
+/// The line about so many of all things of a kind that have nothing that can be read: the names of
+/// the first and what is wrong there. None where there is none.
+pub fn describe_unreadable(
+    named: &[(&str, String)],
+    [count, total]: [usize; 2],
+    kind: &str,
+    has_no: &str,
+) -> Option<String> {
+    let verb = if count == 1 { "has" } else { "have" };
+    let mut first: Vec<String> = named
+        .iter()
+        .take(MAX_NAMED)
+        .map(|(name, problem)| format!("{} ({})", shorten(name), plain(problem)))
+        .collect();
+    if count > MAX_NAMED {
+        first.push("…".to_owned());
+    }
+    (count > 0).then(|| {
         format!(
-            "{unreadable} of {} {verb} no camera that can be read: {}",
-            pluralise(frames.len(), kind),
-            named.join(", ")
+            "{count} of {} {verb} no {has_no} that can be read: {}",
+            pluralise(total, kind),
+            first.join(", ")
         )
     })
 }
@@ -204,11 +224,7 @@ mod tests {
                 "{format}"
             );
             assert_eq!(frames[2].image.as_deref(), Some("0003.jpg"), "{format}");
-            let note = imported
-                .notes
-                .iter()
-                .find(|note| note.contains("no camera"));
-            let note = note.unwrap_or_else(|| panic!("{format}: {:?}", imported.notes));
+            let note = imported.failures.first().unwrap();
             let start = format!(
                 "4 of 12 files have no camera that can be read: {} (",
                 damage[0].0

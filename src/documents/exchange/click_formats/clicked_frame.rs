@@ -2,10 +2,12 @@
 
 use crate::document::Click;
 use crate::exchange::cameras::camera_format::has_ending;
+use crate::exchange::cameras::unreadable::describe_unreadable;
 use crate::exchange::error::{ExchangeError, Problem};
-use crate::exchange::files::Files;
+use crate::exchange::files::{Files, base_name};
 use crate::exchange::format::About;
 use crate::exchange::options::{ExportOptions, ImportOptions, LabelMap};
+use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::values::shorten;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -79,6 +81,129 @@ pub fn size_needed(image: &str) -> Problem {
     }
 }
 
+/// The path of a picture from the folder of pictures. Where the user gave that folder, a path that
+/// leads out of it means the file of its name in there: tools write where the picture lay on their
+/// own disk.
+///
+/// # Errors
+/// It leads elsewhere.
+pub fn picture_path(name: &str, options: &ImportOptions) -> Result<String, Problem> {
+    match safe_path(name) {
+        Err(Problem::LeavesFolder(path)) => {
+            let unified = name.replace('\\', "/");
+            let file = base_name(&unified);
+            if options.images.is_some() && safe_path(file).is_ok() {
+                return Ok(file.to_owned());
+            }
+            Err(Problem::PictureElsewhere(path))
+        }
+        path => path,
+    }
+}
+
+/// How labels are read.
+pub struct LabelReading<'a> {
+    /// The options of the import.
+    pub options: &'a ImportOptions,
+    /// The sizes of pictures that are there.
+    pub sizes: &'a Sizes<'a>,
+}
+
+/// Labels that cannot be read beside others that can: a damaged file of a folder, or one picture of
+/// a file.
+#[derive(Default)]
+pub struct UnreadLabels {
+    /// The first of them.
+    first: Vec<UnreadLabel>,
+    count: usize,
+}
+
+/// As many are kept with what is wrong; a file of nothing else may have millions.
+const MAX_KEPT: usize = 100;
+
+/// A picture or file whose labels cannot be read.
+struct UnreadLabel {
+    file: String,
+    /// The picture within the file; none where the file is of one.
+    picture: Option<String>,
+    problem: Problem,
+}
+
+impl UnreadLabels {
+    /// What was read of a file, or of a picture within it. A problem is kept.
+    pub fn keep<T>(
+        &mut self,
+        file: &str,
+        picture: Option<&str>,
+        read: Result<T, Problem>,
+    ) -> Option<T> {
+        read.map_err(|problem| {
+            self.count += 1;
+            if self.first.len() < MAX_KEPT {
+                self.first.push(UnreadLabel {
+                    file: file.to_owned(),
+                    picture: picture.map(ToOwned::to_owned),
+                    problem,
+                });
+            }
+        })
+        .ok()
+    }
+
+    /// The line about them, beside `read` frames that were read; none where there is none.
+    pub fn describe(&self, read: usize) -> Option<String> {
+        let named = self.first.iter().map(|unread| {
+            let name = unread.picture.as_deref().unwrap_or(&unread.file);
+            (name, unread.problem.to_string())
+        });
+        let named: Vec<(&str, String)> = named.collect();
+        describe_unreadable(&named, [self.count, read + self.count], "picture", "labels")
+    }
+}
+
+/// The frames of files in a format, and what of them cannot be read.
+///
+/// # Errors
+/// Nothing can be read, or an option is needed.
+pub fn read_labels(
+    format: &dyn ClickFormat,
+    files: &Files,
+    reading: &LabelReading<'_>,
+) -> Result<(Vec<LabelledFrame>, UnreadLabels), ExchangeError> {
+    let mut unread = UnreadLabels::default();
+    let frames = format.read(files, reading, &mut unread)?;
+    // An option mends it for all, so that it is not the matter of one picture.
+    let wants_option =
+        |unread: &UnreadLabel| matches!(unread.problem, Problem::OptionNeeded { .. });
+    let place = match unread.first.iter().position(wants_option) {
+        Some(place) => Some(place),
+        None if frames.iter().all(|frame| frame.marks.is_empty()) && unread.count > 0 => Some(0),
+        None => None,
+    };
+    match place {
+        Some(place) => {
+            let UnreadLabel { file, problem, .. } = unread.first.swap_remove(place);
+            Err(problem.within(&file))
+        }
+        None => Ok((frames, unread)),
+    }
+}
+
+/// The frames of files whose pictures have one size, for tests.
+#[cfg(test)]
+pub fn read_alone(
+    format: &dyn ClickFormat,
+    files: &Files,
+    options: &ImportOptions,
+    size: Option<ImageSize>,
+) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    let reading = LabelReading {
+        options,
+        sizes: &|_| size,
+    };
+    read_labels(format, files, &reading).map(|(frames, _)| frames)
+}
+
 /// A format that stores points of pictures.
 pub trait ClickFormat: Sync {
     /// Whether it can store a click: any, unless the format says otherwise.
@@ -94,6 +219,12 @@ pub trait ClickFormat: Sync {
     /// Whether it can store several clicks on one landmark: yes, unless the format says otherwise.
     fn holds_repeated_landmarks(&self) -> bool {
         true
+    }
+
+    /// Whether its files have points as shares of the picture and no size of it: no, unless the
+    /// format says otherwise.
+    fn has_shares_alone(&self) -> bool {
+        false
     }
 
     /// The name of a frame when it is read back: its picture's, unless the format says otherwise.
@@ -128,15 +259,16 @@ pub trait ClickFormat: Sync {
         endings.any(|ending| has_ending(name, ending))
     }
 
-    /// The frames of its files.
+    /// The frames of its files. What cannot be read is added to `unread`; [`read_labels`] is for
+    /// callers.
     ///
     /// # Errors
-    /// A file is damaged, or the size of a picture is needed and not known.
+    /// Files are damaged as a whole.
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
-        sizes: &Sizes<'_>,
+        reading: &LabelReading<'_>,
+        unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError>;
 
     /// The meaning of labels in what this program itself writes, and of formats with classes of

@@ -4,12 +4,16 @@
 //! pixels is the first one's centre: our coordinates − 0.5, unless `info.convention` states
 //! otherwise. Ids of images and annotations and indices of the skeleton begin at 1.
 
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
+use super::clicked_frame::{
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, UnreadLabels,
+    picture_path,
+};
 use super::labels::keypoints;
 use crate::document::{Click, Target};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
-use crate::exchange::format::{About, FormatOption};
+use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Value, json};
@@ -104,7 +108,11 @@ fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
     })
 }
 
-fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Problem> {
+fn read(
+    (file, bytes): (&str, &[u8]),
+    options: &ImportOptions,
+    unread: &mut UnreadLabels,
+) -> Result<Vec<LabelledFrame>, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
     // COCO itself counts from pixel centres; a file of a tool that does not may say so, and the
@@ -146,7 +154,7 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
                 name: id.to_string(),
             });
         }
-        let name = image.key("file_name")?.image_name()?;
+        let name = picture_path(image.key("file_name")?.text()?, options)?;
         frames.push(LabelledFrame {
             image: Some(name.clone()),
             name,
@@ -156,38 +164,54 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
     }
     for annotation in root.key("annotations")?.items()? {
         // Boxes and masks of other categories may be in the same file.
-        let Some(points) = annotation.find("keypoints") else {
+        if annotation.find("keypoints").is_none() {
             continue;
-        };
-        let image = annotation.key("image_id")?;
-        let id = id_of(&image)?;
-        let frame = *at
-            .get(&id)
-            .ok_or_else(|| unknown_id("the image of an annotation,", id))?;
-        let category = id_of(&annotation.key("category_id")?)?;
-        let of = names
-            .get(&category)
-            .ok_or_else(|| unknown_id("the category of an annotation,", category))?;
-        let values = points.all_numbers()?;
-        if values.len() != 3 * of.len() {
-            let what = format!("{} (numbers)", points.path());
-            return Err(Problem::Count {
-                what,
-                wanted: 3 * of.len(),
-                found: values.len(),
-            });
         }
-        // Visibility 1 is a point that is hidden in the picture and was placed all the same.
-        let marks = values
-            .chunks_exact(3)
-            .zip(of)
-            .filter(|(point, _)| point[2] > 0.0);
-        frames[frame].marks.extend(marks.map(|(point, name)| Mark {
-            label: (*name).to_owned(),
-            image: ImagePoint::new(point[0] + shift, point[1] + shift),
-        }));
+        let read = annotation_marks(&annotation, &at, &names, shift);
+        let read = unread.keep(file, Some(annotation.path()), read);
+        if let Some((frame, marks)) = read {
+            frames[frame].marks.extend(marks);
+        }
     }
     Ok(frames)
+}
+
+/// The marks of an annotation with keypoints, and the index of its frame. `at` is that of images by
+/// their ids, `names` are those of the keypoints of categories.
+fn annotation_marks(
+    annotation: &Node<'_>,
+    at: &BTreeMap<i64, usize>,
+    names: &BTreeMap<i64, Vec<&str>>,
+    shift: f64,
+) -> Result<(usize, Vec<Mark>), Problem> {
+    let points = annotation.key("keypoints")?;
+    let id = id_of(&annotation.key("image_id")?)?;
+    let frame = *at
+        .get(&id)
+        .ok_or_else(|| unknown_id("the image of an annotation,", id))?;
+    let category = id_of(&annotation.key("category_id")?)?;
+    let of = names
+        .get(&category)
+        .ok_or_else(|| unknown_id("the category of an annotation,", category))?;
+    let values = points.all_numbers()?;
+    if values.len() != 3 * of.len() {
+        let what = format!("{} (numbers)", points.path());
+        return Err(Problem::Count {
+            what,
+            wanted: 3 * of.len(),
+            found: values.len(),
+        });
+    }
+    // Visibility 1 is a point that is hidden in the picture and was placed all the same.
+    let marks = values
+        .chunks_exact(3)
+        .zip(of)
+        .filter(|(point, _)| point[2] > 0.0);
+    let marks = marks.map(|(point, name)| Mark {
+        label: (*name).to_owned(),
+        image: ImagePoint::new(point[0] + shift, point[1] + shift),
+    });
+    Ok((frame, marks.collect()))
 }
 
 /// The error that an annotation refers to something that is not in the file.
@@ -209,7 +233,8 @@ impl ClickFormat for Coco {
             file: Some("keypoints.json"),
             files: "keypoints (.json)",
             endings: &["json"],
-            options: &[FormatOption::Roboflow],
+            export_options: format_options::KEYPOINTS_OUT,
+            import_options: format_options::LABELS_IN,
         }
     }
 
@@ -251,15 +276,16 @@ impl ClickFormat for Coco {
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
-        _sizes: &Sizes<'_>,
+        reading: &LabelReading<'_>,
+        unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|_, bytes| read(bytes, options))
+        files.read_all(|file, bytes| read((file, bytes), reading.options, unread))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::clicked_frame::read_alone;
     use super::*;
     use crate::exchange::export;
     use crate::exchange::tests::{export_as, text_of, with_clicks};
@@ -355,7 +381,8 @@ mod tests {
             ),
             (
                 with("/images/0/file_name", json!("../../a.jpg")),
-                "the path \"../../a.jpg\" points outside the folder",
+                "the picture \"../../a.jpg\" lies outside the folder; give --images FOLDER, \
+                 where it is looked for by its name",
             ),
             (
                 with("/images/0/id", json!(1.5)),
@@ -384,8 +411,7 @@ mod tests {
             ),
         ] {
             let files = Files::one("a.json", text.into_bytes());
-            let error = Coco
-                .read(&files, &ImportOptions::default(), &|_| None)
+            let error = read_alone(&Coco, &files, &ImportOptions::default(), None)
                 .unwrap_err()
                 .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));

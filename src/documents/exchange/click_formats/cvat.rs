@@ -5,16 +5,19 @@
 //! key frames of tracks are read, because all others are interpolated. Document types and entities
 //! are rejected.
 
-use super::clicked_frame::{ClickFormat, LabelledFrame, Mark, Sizes};
+use super::clicked_frame::{
+    ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, picture_path,
+};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::table::number;
 use crate::exchange::syntax::values::{frame_number, shorten, side_px};
 use roxmltree::Document as Xml;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
 /// The format.
@@ -244,20 +247,89 @@ pub(in crate::exchange) fn parse_annotations(text: &str) -> Result<Xml<'_>, Prob
     })
 }
 
-fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Problem> {
+/// The names of the tasks of a project, by their ids.
+fn task_names<'a>(root: Element<'a>) -> BTreeMap<&'a str, &'a str> {
+    let tasks = root
+        .descendants()
+        .filter(|element| element.has_tag_name("task"));
+    tasks
+        .filter_map(|task| Some((child_text(task, "id")?, child_text(task, "name")?)))
+        .collect()
+}
+
+/// The text of a child of this name.
+fn child_text<'a>(parent: Element<'a>, name: &str) -> Option<&'a str> {
+    let child = parent.children().find(|child| child.has_tag_name(name))?;
+    child.text().map(str::trim)
+}
+
+/// The folders of tasks by their ids, where images of several tasks have one name; else none.
+fn folders_of_tasks(root: Element<'_>) -> Option<BTreeMap<String, String>> {
+    let images = root.children().filter(|child| child.has_tag_name("image"));
+    let mut seen = BTreeSet::new();
+    let mut is_repeated = false;
+    let mut tasks = BTreeSet::new();
+    for image in images {
+        is_repeated |= !seen.insert(image.attribute("name"));
+        tasks.extend(image.attribute("task_id"));
+    }
+    if !is_repeated || tasks.is_empty() {
+        return None;
+    }
+    // Two tasks may have one name.
+    let names = task_names(root);
+    let mut taken = BTreeSet::new();
+    let folders = tasks.into_iter().map(|task| {
+        let name = names.get(task).copied().unwrap_or(task);
+        let name = name.replace(['/', '\\', ':'], "_");
+        let free = if taken.insert(name.clone()) {
+            name
+        } else {
+            format!("{name}-{task}")
+        };
+        (task.to_owned(), free)
+    });
+    Some(folders.collect())
+}
+
+/// The frame of an image; `folders` are those of tasks.
+fn read_image(
+    image: Element<'_>,
+    folders: Option<&BTreeMap<String, String>>,
+    options: &ImportOptions,
+) -> Result<LabelledFrame, Problem> {
+    let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let name = picture_path(attribute(image, "name")?, options)?;
+    let folder = folders.and_then(|folders| folders.get(image.attribute("task_id")?));
+    let name = match folder {
+        Some(folder) => safe_path(&format!("{folder}/{name}"))?,
+        None => name,
+    };
+    let size = ImageSize::new(side(image, "width")?, side(image, "height")?);
+    Ok(LabelledFrame {
+        image: Some(name.clone()),
+        name,
+        size,
+        marks: marks_of_image(image, shift)?,
+    })
+}
+
+fn read_file(
+    (file, bytes): (&str, &[u8]),
+    options: &ImportOptions,
+    unread: &mut UnreadLabels,
+) -> Result<Vec<LabelledFrame>, Problem> {
     let xml = parse_annotations(text(bytes)?)?;
     let root = xml.root_element();
     let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let folders = folders_of_tasks(root);
     let mut frames: Vec<LabelledFrame> = Vec::new();
     for image in root.children().filter(|child| child.has_tag_name("image")) {
-        let name = safe_path(attribute(image, "name")?)?;
-        let size = ImageSize::new(side(image, "width")?, side(image, "height")?);
-        frames.push(LabelledFrame {
-            image: Some(name.clone()),
-            name,
-            size,
-            marks: marks_of_image(image, shift)?,
-        });
+        let read = read_image(image, folders.as_ref(), options);
+        let name = image
+            .attribute("name")
+            .unwrap_or("a picture without a name");
+        frames.extend(unread.keep(file, Some(name), read));
     }
     let tracks = tracks(root, shift)?;
     if !tracks.is_empty() {
@@ -289,22 +361,24 @@ impl ClickFormat for Cvat {
             file: Some("annotations.xml"),
             files: "annotations.xml",
             endings: &["xml"],
-            options: &[],
+            export_options: &[],
+            import_options: format_options::LABELS_IN,
         }
     }
 
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
-        _sizes: &Sizes<'_>,
+        reading: &LabelReading<'_>,
+        unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|_, bytes| read_file(bytes, options))
+        files.read_all(|file, bytes| read_file((file, bytes), reading.options, unread))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::clicked_frame::read_alone;
     use super::*;
 
     const GOOD: &str = r#"<annotations><version>1.1</version><image id="0" name="clip/0001.jpg" width="1920" height="1080">
@@ -316,7 +390,7 @@ mod tests {
 
     fn read(text: &str) -> Result<Vec<LabelledFrame>, String> {
         let files = Files::one("a.xml", text.as_bytes().to_vec());
-        Cvat.read(&files, &ImportOptions::default(), &|_| None)
+        read_alone(&Cvat, &files, &ImportOptions::default(), None)
             .map_err(|error| error.to_string())
     }
 
@@ -424,7 +498,7 @@ mod tests {
             ),
             (
                 swap("clip/0001.jpg", "../0001.jpg"),
-                "the path \"../0001.jpg\" points outside the folder",
+                "the picture \"../0001.jpg\" lies outside the folder; give --images FOLDER",
             ),
             (
                 swap("444.68,789.18", "444.68"),
@@ -450,5 +524,26 @@ mod tests {
             );
             assert!(!error.contains('\n'));
         }
+    }
+
+    #[test]
+    fn tasks_of_a_project_tell_images_of_one_name_apart() {
+        let project = r#"<annotations><meta><project><tasks><task><id>7</id><name>first leg</name></task><task><id>8</id><name>second</name></task></tasks></project></meta>
+<image id="0" name="frame_000000.png" subset="Train" task_id="7" width="640" height="360"><points label="centre_mark" points="1,2"/></image>
+<image id="1" name="frame_000000.png" subset="Test" task_id="8" width="640" height="360"><points label="centre_mark" points="3,4"/></image></annotations>"#;
+        let names = |text: &str| {
+            let frames = read(text).unwrap();
+            let names = frames.into_iter().map(|frame| frame.name);
+            names.collect::<Vec<String>>()
+        };
+        assert_eq!(
+            names(project),
+            ["first leg/frame_000000.png", "second/frame_000000.png"]
+        );
+        let others = project.replace(
+            "id=\"1\" name=\"frame_000000",
+            "id=\"1\" name=\"frame_000001",
+        );
+        assert_eq!(names(&others), ["frame_000000.png", "frame_000001.png"]);
     }
 }

@@ -5,11 +5,13 @@
 //! `--annotator`. Names of uploaded files have a prefix before the first `-`.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed,
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, Sizes,
+    UnreadLabels, size_needed,
 };
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, base_name};
 use crate::exchange::format::About;
+use crate::exchange::format_options::{self, FormatOption};
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse, safe_path};
 use serde_json::{Value, json};
@@ -103,6 +105,14 @@ fn marks_of(
 fn point_from_percent([x, y]: [f64; 2], size: ImageSize, shift_px: f64) -> ImagePoint {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     ImagePoint::new(x / 100.0 * width + shift_px, y / 100.0 * height + shift_px)
+}
+
+/// The picture of a task, for a message: its file, or where the task stands.
+fn picture_of(task: &Node<'_>) -> String {
+    let data = task.find("data").unwrap_or_else(|| task.clone());
+    let image = data.find("image").and_then(|image| image.value().as_str());
+    let name = image.and_then(|image| file_name(image).ok());
+    name.unwrap_or_else(|| task.path().to_owned())
 }
 
 /// The annotation to be read.
@@ -211,7 +221,18 @@ impl ClickFormat for LabelStudio {
             file: Some("label-studio.json"),
             files: "Label Studio export (.json)",
             endings: &["json"],
-            options: &[],
+            export_options: format_options::POINTS_OUT,
+            import_options: &[
+                FormatOption::Field,
+                FormatOption::Set,
+                FormatOption::Images,
+                FormatOption::Size,
+                FormatOption::Pixels,
+                FormatOption::Map,
+                FormatOption::SkipUnmapped,
+                FormatOption::Annotator,
+                FormatOption::EachOwnCamera,
+            ],
         }
     }
 
@@ -234,29 +255,31 @@ impl ClickFormat for LabelStudio {
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
-        sizes: &Sizes<'_>,
+        reading: &LabelReading<'_>,
+        unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|_, bytes| {
+        files.read_all(|file, bytes| {
             let value = parse(bytes)?;
             let tasks = Node::root(&value).items()?;
-            tasks
-                .map(|task| read_task(&task, options, sizes))
-                .collect::<Result<Vec<_>, _>>()
+            let frames = tasks.filter_map(|task| {
+                let read = read_task(&task, reading.options, reading.sizes);
+                unread.keep(file, Some(&picture_of(&task)), read)
+            });
+            Ok(frames.collect::<Vec<_>>())
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::clicked_frame::read_alone;
     use super::*;
     use crate::exchange::Format;
     use crate::exchange::tests::{export_as, text_of, with_clicks};
 
     fn read(text: &str) -> Result<Vec<LabelledFrame>, String> {
         let files = Files::one("a.json", text.as_bytes().to_vec());
-        LabelStudio
-            .read(&files, &ImportOptions::default(), &|_| None)
+        read_alone(&LabelStudio, &files, &ImportOptions::default(), None)
             .map_err(|error| error.to_string())
     }
 

@@ -5,11 +5,13 @@
 //! and is not read.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_or_option,
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, Sizes,
+    UnreadLabels, picture_path, size_or_option,
 };
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, folder_prefix, without_ending};
 use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Value, json};
@@ -54,7 +56,10 @@ fn read_file(
     let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
     let value = parse(bytes)?;
     let root = Node::root(&value);
-    let image = format!("{folder}{}", root.key("imagePath")?.image_name()?);
+    let image = format!(
+        "{folder}{}",
+        picture_path(root.key("imagePath")?.text()?, options)?
+    );
     let stated = root.find_size("imageWidth", "imageHeight")?;
     // labelme counts pixels in the picture as its EXIF orientation shows it. A stated size that
     // differs from the picture's own means that the points are of another orientation or picture.
@@ -109,7 +114,8 @@ impl ClickFormat for Labelme {
             file: None,
             files: "labelme files (.json)",
             endings: &["json"],
-            options: &[],
+            export_options: format_options::POINTS_OUT,
+            import_options: format_options::LABELS_IN,
         }
     }
 
@@ -133,9 +139,10 @@ impl ClickFormat for Labelme {
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
-        sizes: &Sizes<'_>,
+        reading: &LabelReading<'_>,
+        unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+        let LabelReading { options, sizes } = *reading;
         files.read_all(|name, bytes| {
             // labelme means a path from the JSON's own folder. A user who says where the images are
             // need not have sorted them as the files.
@@ -144,13 +151,14 @@ impl ClickFormat for Labelme {
             } else {
                 ""
             };
-            read_file(bytes, folder, options, sizes).map(Some)
+            Ok(unread.keep(name, None, read_file(bytes, folder, options, sizes)))
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::clicked_frame::read_alone;
     use super::*;
     use crate::exchange::export;
     use crate::exchange::tests::{SIZE, export_as, text_of, with_clicks};
@@ -182,7 +190,7 @@ mod tests {
             (Some("pictures".into()), ["0001.jpg", "0001.jpg"]),
         ] {
             options.images = images;
-            let read = Labelme.read(&files, &options, &|_| None).unwrap();
+            let read = read_alone(&Labelme, &files, &options, None).unwrap();
             let named: Vec<Option<&str>> =
                 read.iter().map(|frame| frame.image.as_deref()).collect();
             assert_eq!(named, wanted.map(Some));
@@ -215,7 +223,7 @@ mod tests {
             size: Some(ImageSize::new(1280, 720)),
             ..ImportOptions::default()
         };
-        let read = Labelme.read(&files, &options, &|_| None).unwrap();
+        let read = read_alone(&Labelme, &files, &options, None).unwrap();
         assert_eq!(read[0].size, SIZE);
     }
 
@@ -236,7 +244,8 @@ mod tests {
             (
                 with("/imagePath", json!("..\\a.jpg")),
                 None,
-                "the path \"../a.jpg\" points outside the folder",
+                "the picture \"../a.jpg\" lies outside the folder; give --images FOLDER, where \
+                 it is looked for by its name",
             ),
             (
                 with("/imagePath", json!(7)),
@@ -280,8 +289,7 @@ mod tests {
             ),
         ] {
             let files = Files::one("a.json", text.into_bytes());
-            let error = Labelme
-                .read(&files, &ImportOptions::default(), &|_| size)
+            let error = read_alone(&Labelme, &files, &ImportOptions::default(), size)
                 .unwrap_err()
                 .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));

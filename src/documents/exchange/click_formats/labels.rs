@@ -1,9 +1,10 @@
 //! The meaning of labels of other tools on our field.
 
+use super::clicked_frame::LabelledFrame;
 use crate::document::Target;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::options::{KeypointNames, LabelMap};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::field::FieldModel;
 
 /// The 32 points of Roboflow's `SoccerPitchConfiguration` by index. Points 10, 11, 18 and 19 are
@@ -134,6 +135,41 @@ fn ours(name: &str, field: &FieldModel) -> Option<Target> {
 }
 
 impl LabelMap {
+    /// Refuses labels that are numbered as another map has them. Indices go from 0 to 31, captions
+    /// from 01 to 32, in two orders: taken for each other, nearly every point gets another's name.
+    ///
+    /// # Errors
+    /// The labels are of the other order.
+    pub(in crate::exchange) fn refuse_other_numbering(
+        &self,
+        frames: &[LabelledFrame],
+    ) -> Result<(), ExchangeError> {
+        let other = match self {
+            Self::Roboflow32 => "roboflow-32-captions",
+            Self::Roboflow32Captions => "roboflow-32",
+            Self::Touchline | Self::SoccerNet | Self::Own(_) => return Ok(()),
+        };
+        let marks = frames.iter().flat_map(|frame| &frame.marks);
+        let labels: BTreeSet<&str> = marks.map(|mark| mark.label.as_str()).collect();
+        // Captions have two digits; of numbers without zeros in front only the ends tell.
+        let is_index = |label: &str| matches!(label, "0" | "00");
+        let is_caption = |label: &str| {
+            let is_padded = label.len() == 2 && label.starts_with('0') && label != "00";
+            is_padded || (label == "32" && !labels.contains("0"))
+        };
+        let of_other = labels.iter().copied().find(|label| match self {
+            Self::Roboflow32 => is_caption(label),
+            _ => is_index(label),
+        });
+        match of_other {
+            None => Ok(()),
+            Some(label) => Err(ExchangeError::OtherNumbering {
+                label: label.to_owned(),
+                other,
+            }),
+        }
+    }
+
     /// What a label means on a field.
     ///
     /// # Errors
@@ -199,8 +235,10 @@ pub fn describe_counts(labels: &BTreeMap<String, usize>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::clicked_frame::Mark;
     use super::*;
     use touchline_core::field::{Symmetry, builtin};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
 
     #[test]
     fn the_names_of_both_tools_are_on_the_field() {
@@ -282,5 +320,29 @@ mod tests {
             .unwrap()
             .twin(Symmetry::Turn180, &field);
         assert_eq!(twin, field.line_element(line("Goal right post left")));
+    }
+
+    #[test]
+    fn numbers_of_the_other_order_are_refused() {
+        let refuses = |map: &LabelMap, labels: &[&str]| {
+            let marks = labels.iter().map(|label| Mark {
+                label: (*label).to_owned(),
+                image: ImagePoint::new(1.0, 1.0),
+            });
+            let frame = LabelledFrame {
+                name: "a".to_owned(),
+                image: None,
+                size: ImageSize::new(2, 2),
+                marks: marks.collect(),
+            };
+            map.refuse_other_numbering(&[frame]).is_err()
+        };
+        let (indices, captions) = (LabelMap::Roboflow32, LabelMap::Roboflow32Captions);
+        for of_captions in [&["01", "14"][..], &["1", "32"], &["09"]] {
+            assert!(refuses(&indices, of_captions), "{of_captions:?}");
+            assert!(!refuses(&captions, of_captions), "{of_captions:?}");
+        }
+        assert!(refuses(&captions, &["0", "14"]) && !refuses(&indices, &["0", "14"]));
+        assert!(!refuses(&indices, &["1", "14"]) && !refuses(&captions, &["1", "14"]));
     }
 }

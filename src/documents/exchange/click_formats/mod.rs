@@ -9,5 +9,6 @@ pub mod cvat;
 pub mod label_studio;
 pub mod labelme;
 pub mod labels;
+pub mod points_table;
 pub mod soccernet_lines;
 pub mod yolo_pose;

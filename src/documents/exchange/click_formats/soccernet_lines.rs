@@ -7,7 +7,8 @@
 //! SoccerNet/sn-gamestate.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_or_option,
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, UnreadLabels,
+    size_or_option,
 };
 use super::coco::range_of;
 use super::labels::SOCCERNET_LINES;
@@ -15,14 +16,20 @@ use crate::document::{Click, Target};
 use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, base_name, without_ending};
-use crate::exchange::format::{About, FormatOption};
-use crate::exchange::options::{ImportOptions, LabelMap};
-use crate::exchange::syntax::node::{Node, parse};
+use crate::exchange::format::About;
+use crate::exchange::format_options::FormatOption;
+use crate::exchange::options::LabelMap;
+use crate::exchange::syntax::node::{Node, parse, safe_path};
+use crate::exchange::syntax::values::shorten;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
 /// The format.
 pub struct SoccerNetLines;
+
+/// The file of the game state challenge with everything about a clip.
+pub const GAME_STATE: &str = "Labels-GameState.json";
 
 /// The beginning of the classes of curves, which have no ends.
 const CIRCLE: &str = "Circle";
@@ -86,8 +93,13 @@ fn sort_along(places: &mut [ImagePoint]) {
 
 fn read_file(bytes: &[u8], size: ImageSize) -> Result<Vec<Mark>, Problem> {
     let value = parse(bytes)?;
+    marks_of_lines(&Node::root(&value), size)
+}
+
+/// The marks of lines by their classes.
+fn marks_of_lines(lines: &Node<'_>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
     let mut marks = Vec::new();
-    for (class, points) in Node::root(&value).entries()? {
+    for (class, points) in lines.entries()? {
         for point in points.items()? {
             let image = ImagePoint::new(
                 share_of_side(&point.key("x")?)? * f64::from(size.width),
@@ -122,6 +134,50 @@ fn share_of_side(coordinate: &Node<'_>) -> Result<f64, Problem> {
     })
 }
 
+/// The frames of a file of the game state challenge, which has all pictures of a clip and more than
+/// their lines.
+fn read_game_state(
+    file: &str,
+    bytes: &[u8],
+    unread: &mut UnreadLabels,
+) -> Result<Vec<LabelledFrame>, Problem> {
+    let value = parse(bytes)?;
+    let root = Node::root(&value);
+    // The pictures lie in a folder of the clip.
+    let folder = root.find("info").and_then(|info| info.find("im_dir"));
+    let folder = folder.and_then(|folder| folder.value().as_str());
+    let folder = folder.map_or_else(String::new, |folder| format!("{folder}/"));
+    let mut frames: Vec<LabelledFrame> = Vec::new();
+    let mut at: BTreeMap<String, usize> = BTreeMap::new();
+    for image in root.key("images")?.items()? {
+        let name = image.key("file_name")?.text()?;
+        let name = safe_path(&format!("{folder}{name}"))?;
+        at.insert(image.key("image_id")?.text()?.to_owned(), frames.len());
+        frames.push(LabelledFrame {
+            image: Some(name.clone()),
+            name,
+            size: image.size_at("width", "height")?,
+            marks: Vec::new(),
+        });
+    }
+    for annotation in root.key("annotations")?.items()? {
+        // People and the ball have boxes.
+        let Some(lines) = annotation.find("lines") else {
+            continue;
+        };
+        let id = annotation.key("image_id")?.text()?;
+        let index = *at.get(id).ok_or_else(|| Problem::Unknown {
+            what: "the image of an annotation,",
+            name: shorten(id),
+        })?;
+        let frame = &mut frames[index];
+        let read = marks_of_lines(&lines, frame.size);
+        let marks = unread.keep(file, Some(&frame.name), read);
+        frame.marks.extend(marks.unwrap_or_default());
+    }
+    Ok(frames)
+}
+
 impl ClickFormat for SoccerNetLines {
     fn about(&self) -> About {
         About {
@@ -133,8 +189,23 @@ impl ClickFormat for SoccerNetLines {
             file: None,
             files: "line annotations (.json)",
             endings: &["json"],
-            options: &[FormatOption::GameState],
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Projected,
+                FormatOption::Variant,
+            ],
+            import_options: &[
+                FormatOption::Field,
+                FormatOption::Set,
+                FormatOption::Images,
+                FormatOption::Size,
+                FormatOption::EachOwnCamera,
+            ],
         }
+    }
+
+    fn has_shares_alone(&self) -> bool {
+        true
     }
 
     fn holds(&self, click: &Click, _context: &ClickContext<'_>) -> bool {
@@ -174,19 +245,23 @@ impl ClickFormat for SoccerNetLines {
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
-        sizes: &Sizes<'_>,
+        reading: &LabelReading<'_>,
+        unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         files.read_all(|file, bytes| {
+            if base_name(file) == GAME_STATE {
+                return read_game_state(file, bytes, unread);
+            }
             let path = without_ending(file);
-            let size = size_or_option(path, sizes(path), options)?;
-            let marks = read_file(bytes, size)?;
-            Ok(Some(LabelledFrame {
+            let size = size_or_option(path, (reading.sizes)(path), reading.options)?;
+            let marks = unread.keep(file, None, read_file(bytes, size));
+            let frame = marks.map(|marks| LabelledFrame {
                 name: path.to_owned(),
                 image: None,
                 size,
                 marks,
-            }))
+            });
+            Ok(frame.into_iter().collect())
         })
     }
 
@@ -201,8 +276,10 @@ impl ClickFormat for SoccerNetLines {
 
 #[cfg(test)]
 mod tests {
+    use super::super::clicked_frame::{read_alone, read_labels};
     use super::*;
     use crate::exchange::export;
+    use crate::exchange::options::ImportOptions;
     use crate::exchange::tests::{SIZE, export_as, reference, text_of, with_clicks};
     use crate::exchange::{ExportOptions, Format, PointSource};
     use std::path::Path;
@@ -314,11 +391,43 @@ mod tests {
             ),
         ] {
             let files = Files::one("a.json", text.as_bytes().to_vec());
-            let error = SoccerNetLines
-                .read(&files, &ImportOptions::default(), &|_| Some(SIZE))
-                .unwrap_err()
-                .to_string();
+            let error = read_alone(
+                &SoccerNetLines,
+                &files,
+                &ImportOptions::default(),
+                Some(SIZE),
+            )
+            .unwrap_err()
+            .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));
         }
+    }
+
+    #[test]
+    fn a_file_of_the_game_state_challenge_has_the_lines_of_all_pictures() {
+        let text = json!({
+            "info": { "im_dir": "img1" },
+            "images": [
+                { "image_id": "2021000001", "file_name": "000001.jpg", "width": 1920, "height": 1080 },
+                { "image_id": "2021000002", "file_name": "000002.jpg", "width": 1920, "height": 1080 },
+            ],
+            "annotations": [
+                { "image_id": "2021000001", "bbox_image": {} },
+                { "image_id": "2021000001", "lines": { "Middle line": [{ "x": 0.5, "y": 0.25 }] } },
+                { "image_id": "2021000002", "lines": { "Middle line": [{ "x": 7, "y": 0.25 }] } },
+            ],
+            "categories": [],
+        });
+        let files = Files::one(GAME_STATE, text.to_string().into_bytes());
+        let reading = LabelReading {
+            options: &ImportOptions::default(),
+            sizes: &|_| None,
+        };
+        let (frames, unread) = read_labels(&SoccerNetLines, &files, &reading).unwrap();
+        assert_eq!(frames[0].name, "img1/000001.jpg");
+        assert_eq!(frames[0].marks[0].image, ImagePoint::new(960.0, 270.0));
+        let said = unread.describe(1).unwrap();
+        let wanted = "1 of 2 pictures has no labels that can be read: img1/000002.jpg (";
+        assert!(said.starts_with(wanted), "{said}");
     }
 }

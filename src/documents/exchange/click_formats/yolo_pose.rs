@@ -7,7 +7,8 @@
 //! the permutation of the points in a mirrored picture.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_or_option,
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, UnreadLabels,
+    size_or_option,
 };
 use super::coco::{in_order, is_keypoint, range_of};
 use super::labels::keypoints;
@@ -15,8 +16,8 @@ use crate::document::Click;
 use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, base_name, text, without_ending};
-use crate::exchange::format::{About, Format, FormatOption};
-use crate::exchange::options::ImportOptions;
+use crate::exchange::format::{About, Format};
+use crate::exchange::format_options::FormatOption;
 use crate::exchange::syntax::table::numbers;
 use std::fmt::Write as _;
 use touchline_core::field::{FieldModel, Symmetry};
@@ -180,6 +181,23 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
         .collect()
 }
 
+/// The marks of a file of labels.
+fn marks_of_file(
+    bytes: &[u8],
+    names: Option<&[String]>,
+    size: ImageSize,
+) -> Result<Vec<Mark>, Problem> {
+    // A picture without labels has an empty file.
+    let lines = if bytes.is_empty() { "" } else { text(bytes)? };
+    let lines = lines.lines().enumerate();
+    let mut marks = Vec::new();
+    for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let of_line = marks_of(line, names, size);
+        marks.extend(of_line.map_err(|problem| problem.at_line(index + 1))?);
+    }
+    Ok(marks)
+}
+
 impl ClickFormat for YoloPose {
     fn about(&self) -> About {
         About {
@@ -191,8 +209,29 @@ impl ClickFormat for YoloPose {
             file: None,
             files: "labels (labels/….txt)",
             endings: &["txt", "yaml"],
-            options: &[FormatOption::Roboflow],
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Projected,
+                FormatOption::Names,
+            ],
+            import_options: &[
+                FormatOption::Field,
+                FormatOption::Set,
+                FormatOption::Images,
+                FormatOption::Size,
+                FormatOption::Map,
+                FormatOption::SkipUnmapped,
+                FormatOption::EachOwnCamera,
+            ],
         }
+    }
+
+    fn holds_outside(&self) -> bool {
+        false
+    }
+
+    fn has_shares_alone(&self) -> bool {
+        true
     }
 
     fn holds(&self, click: &Click, context: &ClickContext<'_>) -> bool {
@@ -247,8 +286,8 @@ impl ClickFormat for YoloPose {
     fn read(
         &self,
         files: &Files,
-        options: &ImportOptions,
-        sizes: &Sizes<'_>,
+        reading: &LabelReading<'_>,
+        unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         let yaml = files
             .get(DATA)
@@ -268,20 +307,10 @@ impl ClickFormat for YoloPose {
             let stem = without_ending(base_name(file));
             let at_image = without_ending(file).replacen("labels/", "images/", 1);
             // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
-            let own = sizes(&at_image).or_else(|| sizes(stem));
-            let size = size_or_option(&at_image, own, options)?;
-            // A picture without labels has an empty file.
-            let lines = if bytes.is_empty() { "" } else { text(bytes)? };
-            let mut marks = Vec::new();
-            for (index, line) in lines
-                .lines()
-                .enumerate()
-                .filter(|(_, line)| !line.trim().is_empty())
-            {
-                let of_line = marks_of(line, names.as_deref(), size);
-                marks.extend(of_line.map_err(|problem| problem.at_line(index + 1))?);
-            }
-            Ok(Some(LabelledFrame {
+            let own = (reading.sizes)(&at_image).or_else(|| (reading.sizes)(stem));
+            let size = size_or_option(&at_image, own, reading.options)?;
+            let marks = unread.keep(file, None, marks_of_file(bytes, names.as_deref(), size));
+            Ok(marks.map(|marks| LabelledFrame {
                 name: stem.to_owned(),
                 image: Some(at_image),
                 size,
@@ -293,8 +322,10 @@ impl ClickFormat for YoloPose {
 
 #[cfg(test)]
 mod tests {
+    use super::super::clicked_frame::read_alone;
     use super::*;
     use crate::exchange::export;
+    use crate::exchange::options::ImportOptions;
     use crate::exchange::tests::{SIZE, export_as, text_of, with_clicks};
     use crate::exchange::{ExportOptions, KeypointNames};
     use std::path::Path;
@@ -354,7 +385,7 @@ mod tests {
     fn a_text_about_the_set_is_no_label() {
         let mut files = Files::one("README.roboflow.txt", b"pitch - v1\n".to_vec());
         files.add("train/labels/a.txt", "0 0.5 0.5 1 1 0.2 0.3 2\n");
-        let read = YoloPose.read(&files, &ImportOptions::default(), &|_| Some(SIZE));
+        let read = read_alone(&YoloPose, &files, &ImportOptions::default(), Some(SIZE));
         let read = read.unwrap();
         assert_eq!(read.len(), 1);
         assert_eq!(read[0].image.as_deref(), Some("train/images/a"));
@@ -403,8 +434,7 @@ mod tests {
             );
         }
         let files = Files::one("labels/a.txt", b"0 0.5 0.5 1 1 0.2 0.3 2\n".to_vec());
-        let error = YoloPose
-            .read(&files, &ImportOptions::default(), &|_| None)
+        let error = read_alone(&YoloPose, &files, &ImportOptions::default(), None)
             .unwrap_err()
             .to_string();
         assert_eq!(

@@ -5,10 +5,18 @@ use crate::exchange::error::ExchangeError;
 use crate::exchange::format::Format;
 use crate::exchange::options::FrameChoice;
 use std::collections::BTreeMap;
-use touchline_core::geometry::pluralise;
+use touchline_core::geometry::{ImageSize, pluralise};
 
 /// Why a frame without a camera is left out.
 pub const NOT_SOLVED: &str = "it is not solved";
+
+/// Why a frame is left out whose picture cannot be rescaled to the size that was asked for.
+pub fn other_proportions(of: ImageSize) -> String {
+    format!(
+        "its picture of {} × {} px has other proportions",
+        of.width, of.height
+    )
+}
 
 /// Whether a frame is chosen.
 pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {

@@ -1,7 +1,7 @@
 //! Export of cameras to a foreign format: chooses frames, measures losses, writes the files in
 //! memory and reads them back.
 
-use super::choose::{NOT_SOLVED, is_chosen, nothing, refuse_same_names};
+use super::choose::{NOT_SOLVED, is_chosen, nothing, other_proportions, refuse_same_names};
 use super::exported::Exported;
 use super::loss::{crown_off_px, farthest_landmark, loss_between};
 use super::stage::{in_stage, in_world};
@@ -13,7 +13,8 @@ use crate::exchange::cameras::into_document::camera_of;
 use crate::exchange::cameras::picture_size::has_same_proportions;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::Files;
-use crate::exchange::format::{Format, FormatOption};
+use crate::exchange::format::Format;
+use crate::exchange::format_options::{Direction, FormatOption};
 use crate::exchange::options::ExportOptions;
 use crate::exchange::rate::Rate;
 use std::collections::BTreeMap;
@@ -166,14 +167,7 @@ pub fn export_cameras(
         if let Some(size) = options.size
             && !has_same_proportions(size, frame.image_size)
         {
-            let of = frame.image_size;
-            left_out.push((
-                frame.name(),
-                format!(
-                    "its picture of {} × {} px has other proportions",
-                    of.width, of.height
-                ),
-            ));
+            left_out.push((frame.name(), other_proportions(frame.image_size)));
             continue;
         }
         // A file is of one field: its landmarks verify it, and formats state its size once.
@@ -230,7 +224,7 @@ pub fn export_cameras(
         .or_else(|| common_value(document, &chosen, |camera| camera.stage.clone()));
     let stage = wanted
         .as_ref()
-        .filter(|_| format.takes(FormatOption::Stage));
+        .filter(|_| format.takes(FormatOption::StageOrigin, Direction::Export));
     let files = match stage {
         Some(stage) => {
             let staged: Vec<FrameCamera> =
@@ -252,7 +246,7 @@ pub fn export_cameras(
         0.0
     };
     let mut notes = camera_format.notes(&held, &context);
-    notes.extend(stage_note(format, options.stage.as_ref(), stage));
+    notes.extend(stage.map(stage_note));
     notes.extend(interpolation_note(&held));
     notes.extend(crown_note(&chosen, &field));
     if let Some(size) = document.field.assumed_size() {
@@ -302,24 +296,17 @@ fn crown_note(frames: &[FrameCamera], field: &FieldModel) -> Option<String> {
 }
 
 /// The note about the axes of a track.
-fn stage_note(format: Format, wanted: Option<&Stage>, stage: Option<&Stage>) -> Option<String> {
-    match (wanted, stage) {
-        (
-            _,
-            Some(Stage {
-                origin_m,
-                heading_deg,
-                ..
-            }),
-        ) => Some(format!(
-            "it is in the axes of the stage: origin at ({}, {}, {}) m of the field, heading {heading_deg}°",
-            origin_m.x, origin_m.y, origin_m.z
-        )),
-        (Some(_), None) => Some(format!(
-            "{format} is written in the field's axes; the stage is for tracks"
-        )),
-        (None, None) => None,
-    }
+fn stage_note(stage: &Stage) -> String {
+    let Stage {
+        origin_m,
+        heading_deg,
+        ..
+    } = stage;
+    format!(
+        "it is in the axes of the stage: origin at ({}, {}, {}) m of the field, heading \
+         {heading_deg}°",
+        origin_m.x, origin_m.y, origin_m.z
+    )
 }
 
 /// The note about frames with interpolated cameras, so that they are not mistaken for labels.

@@ -1,11 +1,12 @@
 //! Export of clicks to a foreign format, verified by reading them back.
 
-use super::choose::{NOT_SOLVED, is_chosen, nothing, refuse_same_names};
+use super::choose::{NOT_SOLVED, is_chosen, nothing, other_proportions, refuse_same_names};
 use super::exported::Exported;
 use crate::document::{Click, DocumentAt, Fields, Frame, Target};
 use crate::exchange::cameras::camera_format::file_stem;
+use crate::exchange::cameras::picture_size::has_same_proportions;
 use crate::exchange::click_formats::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelledFrame,
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, read_labels,
 };
 use crate::exchange::click_formats::labels::Meaning;
 use crate::exchange::error::ExchangeError;
@@ -77,13 +78,20 @@ pub fn export_clicks(
             left_out.push((frame.name(), why.to_owned()));
             continue;
         }
-        of_field.get_or_insert_with(|| Arc::clone(field));
-        chosen.push(ClickedFrame {
+        let shown = ClickedFrame {
             name: String::new(),
             image: file_of(frame),
             size: frame.image_size,
             clicks,
-        });
+        };
+        match rescale(shown, options.size) {
+            Ok(shown) => chosen.push(shown),
+            Err(why) => {
+                left_out.push((frame.name(), why));
+                continue;
+            }
+        }
+        of_field.get_or_insert_with(|| Arc::clone(field));
     }
     let Some(field) = of_field else {
         return Err(nothing(format, &left_out));
@@ -122,6 +130,9 @@ pub fn export_clicks(
     let files = click_format.write(&chosen, &context)?;
     let worst_px = prove(format, click_format, &files, &chosen, &context)?;
     let mut notes = dropped.notes(format, click_format);
+    if options.size.is_some() && click_format.has_shares_alone() {
+        notes.push("points are shares of the picture, the same for every size".to_owned());
+    }
     notes.extend(note_repeated(&twice));
     Ok(Exported {
         format,
@@ -133,6 +144,27 @@ pub fn export_clicks(
         in_takes: false,
         dataset: None,
         files,
+    })
+}
+
+/// A frame with its clicks on a picture of another size, or why that is not possible.
+fn rescale(frame: ClickedFrame, size: Option<ImageSize>) -> Result<ClickedFrame, String> {
+    let Some(size) = size.filter(|size| *size != frame.size) else {
+        return Ok(frame);
+    };
+    if !has_same_proportions(size, frame.size) {
+        return Err(other_proportions(frame.size));
+    }
+    let factor = f64::from(size.width) / f64::from(frame.size.width);
+    let clicks = frame.clicks.into_iter();
+    let clicks = clicks.map(|click| Click {
+        image: ImagePoint::new(click.image.x * factor, click.image.y * factor),
+        ..click
+    });
+    Ok(ClickedFrame {
+        clicks: clicks.collect(),
+        size,
+        ..frame
     })
 }
 
@@ -253,9 +285,11 @@ fn prove(
         .iter()
         .flat_map(|frame| [&frame.name, &frame.image].map(|name| (name.as_str(), frame.size)))
         .collect();
-    let read = click_format.read(files, &ImportOptions::default(), &|name| {
-        sizes.get(name).copied()
-    })?;
+    let reading = LabelReading {
+        options: &ImportOptions::default(),
+        sizes: &|name| sizes.get(name).copied(),
+    };
+    let (read, _) = read_labels(click_format, files, &reading)?;
     let by_name: BTreeMap<&str, &LabelledFrame> = read
         .iter()
         .map(|frame| (frame.name.as_str(), frame))

@@ -109,18 +109,5 @@ mod tests {
                 exported.notes
             );
         }
-        let plain = export(
-            awkward().at(Path::new("/")),
-            Format::Colmap,
-            &ExportOptions {
-                stage: Some(stage()),
-                ..ExportOptions::default()
-            },
-        );
-        assert!(
-            plain.unwrap().notes.iter().any(
-                |note| note == "colmap is written in the field's axes; the stage is for tracks"
-            )
-        );
     }
 }

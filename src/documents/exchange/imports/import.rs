@@ -54,6 +54,7 @@ pub fn import(
         folder,
         format,
         notes: Vec::new(),
+        failures: Vec::new(),
     })
 }
 

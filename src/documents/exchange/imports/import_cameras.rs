@@ -2,20 +2,39 @@
 
 use super::imported::Imported;
 use super::pictures::{image_of, refuse_shared_pictures};
-use crate::document::path_between;
+use crate::document::{Camera, CameraId, Document, FrameStatus, path_between};
 use crate::exchange::cameras::camera_format::CameraFormat;
-use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Unreadable};
+use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Unreadable};
+use crate::exchange::cameras::ground_fit::misfit_px;
 use crate::exchange::cameras::into_document::{View, camera_of};
 use crate::exchange::cameras::picture_size::{FittedSizes, SizeSource, fit_to_picture};
-use crate::exchange::cameras::unreadable::{add_unsolved, note_unreadable};
+use crate::exchange::cameras::unreadable::{add_unsolved, describe_unreadable_frames};
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, no_files};
 use crate::exchange::format::Format;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::values::shorten;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use touchline_core::geometry::{ImageSize, pluralise};
+use touchline_core::camera::PtzCamera;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, pluralise};
+
+/// A camera that was fitted to a homography may show the field this far from where that does, px.
+const MOST_MISFIT_PX: f64 = 2.0;
+
+/// A camera lower than this stands under the ground; one on the touchline may be a little below the
+/// middle of a crowned field.
+const UNDER_GROUND_M: f64 = -0.5;
+
+/// A difference of cameras that is worth a note, px.
+const SEEN_PX: f64 = 1e-2;
+
+/// The distance at which cameras are compared, m.
+const FAR_M: f64 = 100.0;
+
+/// Misfits that are named; of further ones the number is.
+const MOST_NAMED_MISFITS: usize = 10;
 
 /// Reads a file or folder of cameras as a document of solved frames. Frames whose camera cannot be
 /// read are in it without one.
@@ -51,8 +70,10 @@ pub fn import_cameras(
         source: camera_format.size_source(),
         options,
         sizes_by: SizesBy::default(),
+        field: reading.field.model(Path::new("")).ok(),
         fitted_sizes: FittedSizes::default(),
         fitted: 0,
+        misfits: Vec::new(),
     };
     let mut views = Vec::with_capacity(frames.len());
     let mut sizes = Vec::with_capacity(frames.len());
@@ -90,9 +111,13 @@ pub fn import_cameras(
         return Err(error);
     }
     let mut notes = reader.notes();
-    notes.extend(note_unreadable(&frames));
+    let misfits = reader.describe_misfits();
+    notes.extend(square_pixels_note(&frames));
+    notes.extend(under_ground_note(&views));
+    notes.extend(remark_notes(&frames));
     notes.extend(camera_format.unread(&files));
     let mut document = camera_format.document(options.field.clone(), &views);
+    notes.extend(lost_roll_note(&document, &views));
     if views.len() < frames.len() {
         add_unsolved(&mut document, &frames, &sizes);
     }
@@ -102,6 +127,10 @@ pub fn import_cameras(
         folder: folder.to_path_buf(),
         format,
         notes,
+        failures: describe_unreadable_frames(&frames)
+            .into_iter()
+            .chain(misfits)
+            .collect(),
     })
 }
 
@@ -116,6 +145,94 @@ impl ImportOptions {
         }
         self
     }
+}
+
+/// The note about frames that the document shows a little otherwise than the file, because their
+/// cameras roll by more than the axis of their place explains.
+fn lost_roll_note(document: &Document, views: &[View]) -> Option<String> {
+    let cameras: BTreeMap<&CameraId, &Camera> = document
+        .cameras
+        .iter()
+        .map(|camera| (&camera.id, &**camera))
+        .collect();
+    let mut worst_px = 0.0_f64;
+    let mut count = 0;
+    // The document has the views in their order.
+    for (frame, (_, size, view)) in document.frames.iter().zip(views) {
+        let made = cameras
+            .get(&frame.camera)
+            .and_then(|camera| camera.ptz_camera(frame));
+        let Some((made, given)) = made.zip(view.ptz_camera()) else {
+            continue;
+        };
+        let off_px = corners_off_px(&made, &given, *size);
+        if off_px > SEEN_PX {
+            count += 1;
+            worst_px = worst_px.max(off_px);
+        }
+    }
+    (count > 0).then(|| {
+        format!(
+            "{} roll by a hair about their axes, which is left out: at most {worst_px:.3} px",
+            pluralise(count, "camera")
+        )
+    })
+}
+
+/// How far two cameras show points at the corners of a picture apart at most, px.
+fn corners_off_px(a: &PtzCamera, b: &PtzCamera, size: ImageSize) -> f64 {
+    let (right, bottom) = (f64::from(size.width), f64::from(size.height));
+    let corners = [[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]];
+    let off_px = corners.into_iter().filter_map(|[x, y]| {
+        let corner = ImagePoint::new(x, y);
+        let point = b.base().position_m + b.world_direction_from_image(corner).ok()? * FAR_M;
+        Some(a.image_from_world(point).ok()?.distance_px(corner))
+    });
+    off_px.fold(0.0, f64::max)
+}
+
+/// The notes about how files are taken, with how many frames each is of.
+fn remark_notes(frames: &[FrameCamera]) -> Vec<String> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for remark in frames.iter().filter_map(|frame| frame.remark) {
+        *counts.entry(remark).or_default() += 1;
+    }
+    let counts = counts.into_iter();
+    counts
+        .map(|(remark, count)| format!("{}: {remark}", pluralise(count, "camera")))
+        .collect()
+}
+
+/// The note about cameras that stand under the ground: an axis is another way round.
+fn under_ground_note(views: &[View]) -> Option<String> {
+    let mut below = views
+        .iter()
+        .filter(|(_, _, view)| view.position_m.z < UNDER_GROUND_M);
+    let (frame, _, view) = below.next()?;
+    Some(format!(
+        "{} under the ground, the first {} at z = {:.1} m: check the direction of the axes, \
+         above all of y",
+        pluralise(1 + below.count(), "camera"),
+        shorten(&frame.name),
+        view.position_m.z
+    ))
+}
+
+/// The note about cameras that are not quite those of the files, whose pixels are not square.
+fn square_pixels_note(frames: &[FrameCamera]) -> Option<String> {
+    let off = frames.iter().filter(|frame| frame.off_px > 0.0);
+    let farthest = off.clone().max_by(|a, b| a.off_px.total_cmp(&b.off_px))?;
+    let off_px = if farthest.off_px < 1e-3 {
+        "less than 0.001".to_owned()
+    } else {
+        format!("{:.3}", farthest.off_px)
+    };
+    Some(format!(
+        "the pixels or the lens of {} are not quite those of a document: the nearest camera is \
+         taken, at most {off_px} px off, in {}",
+        pluralise(off.count(), "camera"),
+        shorten(&farthest.name)
+    ))
 }
 
 /// Refuses two frames of one name.
@@ -138,8 +255,12 @@ struct ViewReader<'a> {
     options: &'a ImportOptions,
     sizes_by: SizesBy,
     fitted_sizes: FittedSizes,
+    /// The field that the frames show.
+    field: Option<FieldModel>,
     /// The cameras that were fitted to homographies.
     fitted: usize,
+    /// Those of them that show the field elsewhere than their homographies do, with how far, px.
+    misfits: Vec<(String, f64)>,
 }
 
 impl ViewReader<'_> {
@@ -158,6 +279,7 @@ impl ViewReader<'_> {
         let size = self.size_of(frame, known)?;
         let (fit, factor) = fit_to_picture(frame, size, self.source).ok_or_else(|| {
             ExchangeError::OtherProportions {
+                what: "the camera",
                 frame: shorten(&frame.name),
                 stated: frame.size.unwrap_or(size),
                 picture: size,
@@ -179,7 +301,16 @@ impl ViewReader<'_> {
         });
         Ok(match checked {
             Ok(view) => {
-                self.fitted += usize::from(matches!(fit.shown, FrameProjection::Ground(_)));
+                let mut fit = fit;
+                if let FrameProjection::Ground(ground) = fit.shown {
+                    self.fitted += 1;
+                    let off_px = self.misfit_px(&ground, &view, size);
+                    if off_px > MOST_MISFIT_PX {
+                        // Somebody has to look at it before it counts.
+                        fit.record.status = FrameStatus::Draft;
+                        self.misfits.push((frame.name.clone(), off_px));
+                    }
+                }
                 Ok((fit, size, view))
             }
             Err(error) => {
@@ -190,6 +321,36 @@ impl ViewReader<'_> {
                 Err(error)
             }
         })
+    }
+
+    /// How far a camera shows the field from where its homography does at most, px.
+    fn misfit_px(&self, ground: &Mat3, view: &Pinhole, size: ImageSize) -> f64 {
+        let field = self.field.as_ref();
+        field
+            .and_then(|field| misfit_px(ground, view, size, field))
+            .unwrap_or(0.0)
+    }
+
+    /// What is said of cameras that do not fit their homographies, frame by frame.
+    fn describe_misfits(&self) -> Vec<String> {
+        let mut said: Vec<String> = self
+            .misfits
+            .iter()
+            .take(MOST_NAMED_MISFITS)
+            .map(|(name, off_px)| {
+                format!(
+                    "{}: no camera with the principal point in the middle shows this homography; \
+                     the nearest is {off_px:.0} px off \
+                     over the visible field, and the frame is a draft: check direction, unit and the picture's size (--size)",
+                    shorten(name)
+                )
+            })
+            .collect();
+        let others = self.misfits.len().saturating_sub(MOST_NAMED_MISFITS);
+        if others > 0 {
+            said.push(format!("and {} more like that", pluralise(others, "frame")));
+        }
+        said
     }
 
     /// The size of a frame's picture.
@@ -219,7 +380,7 @@ impl ViewReader<'_> {
 
     fn notes(&self) -> Vec<String> {
         let mut notes = self.sizes_by.notes();
-        notes.extend(self.fitted_sizes.note());
+        notes.extend(self.fitted_sizes.note("camera"));
         if self.fitted > 0 {
             notes.push(format!(
                 "{} fitted to homographies, with the principal point in the middle and no distortion",

@@ -4,7 +4,10 @@ use super::imported::Imported;
 use super::pictures::{image_of, refuse_shared_pictures};
 use crate::document::{Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between};
 use crate::exchange::cameras::into_document::Cameras;
-use crate::exchange::click_formats::clicked_frame::{ClickFormat, LabelledFrame, Mark};
+use crate::exchange::cameras::picture_size::{FittedSizes, has_same_proportions};
+use crate::exchange::click_formats::clicked_frame::{
+    ClickFormat, LabelReading, LabelledFrame, Mark, read_labels,
+};
 use crate::exchange::click_formats::labels::{Meaning, describe_counts};
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, no_files};
@@ -14,6 +17,7 @@ use crate::exchange::syntax::values::shorten;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use touchline_core::field::FieldModel;
+use touchline_core::geometry::ImagePoint;
 
 /// The maximum distance of a point from the picture's corner, px. A picture has at most 65,535 px a
 /// side, so that a point this far away is a mistake, not one dragged beyond the border.
@@ -36,13 +40,23 @@ pub fn import_clicks(
         click_format.about().files,
     )?;
     let images = options.images_folder(folder);
-    let options = &options.with_any_size();
     // Some formats state points as shares of the picture, so that its size is needed to read them.
-    let frames = click_format.read(&files, options, &|name| image_of(name, &images).1)?;
+    let reading = LabelReading {
+        options: &options.with_any_size(),
+        sizes: &|name| image_of(name, &images).1,
+    };
+    let (mut frames, unread) = read_labels(click_format, &files, &reading)?;
     if frames.is_empty() {
         return Err(no_files(path, "frame"));
     }
     refuse_damaged(&frames, path)?;
+    let (read, mut rescaled) = (frames.len(), FittedSizes::default());
+    for frame in &mut frames {
+        let named = frame.image.as_deref().unwrap_or(&frame.name);
+        if image_of(named, &images).1.is_none() {
+            fit_to_options(frame, options, &mut rescaled)?;
+        }
+    }
     let field = options.field.model(folder)?;
     // A user's map is for labels that people chose; classes of a challenge mean the same for
     // everybody.
@@ -51,6 +65,7 @@ pub fn import_clicks(
     } else {
         options.map.clone()
     };
+    labels.refuse_other_numbering(&frames)?;
     let mut document = Document::new(options.field.clone());
     // Labels without a meaning are counted over all frames before the import fails, so that one
     // error names everything that the map must have.
@@ -78,7 +93,7 @@ pub fn import_clicks(
         );
     }
     refuse_shared_pictures(&document, path)?;
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = rescaled.note("frame").into_iter().collect();
     if !unmapped.is_empty() {
         if !options.skip_unmapped {
             return Err(ExchangeError::Unmapped {
@@ -97,7 +112,46 @@ pub fn import_clicks(
         folder: folder.to_path_buf(),
         format,
         notes,
+        failures: unread.describe(read).into_iter().collect(),
     })
+}
+
+/// Rescales a frame whose picture is not there to the size that the user gave, or to that of the
+/// video that the frames may be attached to.
+///
+/// # Errors
+/// The size that the user gave has other proportions.
+fn fit_to_options(
+    frame: &mut LabelledFrame,
+    options: &ImportOptions,
+    rescaled: &mut FittedSizes,
+) -> Result<(), ExchangeError> {
+    let Some(size) = options.size.or(options.video_size) else {
+        return Ok(());
+    };
+    let stated = frame.size;
+    if stated == size {
+        return Ok(());
+    }
+    if !has_same_proportions(stated, size) {
+        // A video of other proportions is not that of these labels, which the attachment says.
+        return match options.size {
+            None => Ok(()),
+            Some(_) => Err(ExchangeError::OtherProportions {
+                what: "the labels",
+                frame: shorten(&frame.name),
+                stated,
+                picture: size,
+            }),
+        };
+    }
+    let factor = f64::from(size.width) / f64::from(stated.width);
+    for mark in &mut frame.marks {
+        mark.image = ImagePoint::new(mark.image.x * factor, mark.image.y * factor);
+    }
+    frame.size = size;
+    rescaled.count(stated, size);
+    Ok(())
 }
 
 /// Rejects a duplicate picture, and points far outside their picture.

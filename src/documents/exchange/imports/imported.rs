@@ -15,4 +15,6 @@ pub struct Imported {
     pub format: Format,
     /// Notes for the user.
     pub notes: Vec<String>,
+    /// What could not be read of the files, counted and named; empty if everything was.
+    pub failures: Vec<String>,
 }

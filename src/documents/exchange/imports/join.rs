@@ -6,6 +6,7 @@ use super::imported::Imported;
 use super::places::Places;
 use crate::document::{Camera, CameraId, Document, DocumentAt, FieldSpec, Frame, FrameStatus};
 use std::collections::BTreeMap;
+use touchline_core::geometry::ImageSize;
 
 /// A document with imported labels, and counts of what was joined.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +32,8 @@ pub struct JoinedImport {
     pub attachment: Result<Option<Attachment>, NotAttached>,
     /// What a user should know.
     pub notes: Vec<String>,
+    /// What could not be read of the imported files.
+    pub failures: Vec<String>,
 }
 
 /// An imported frame and the frame of the document that shows the same picture, by name.
@@ -71,6 +74,7 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> JoinedImport {
         clicks: 0,
         cameras: 0,
         notes: imported.notes.iter().cloned().chain(reason).collect(),
+        failures: imported.failures.clone(),
         attachment,
     };
     let places = Places::from_document(open);
@@ -128,7 +132,58 @@ pub fn join(open: DocumentAt<'_>, imported: &Imported) -> JoinedImport {
         }
     }
     joined.cameras = joined.document.cameras.len() - open.document.cameras.len();
+    if joined.matched > 0 {
+        share_cameras(&mut joined.document);
+    }
     joined
+}
+
+/// Gives frames of a video whose camera has no base the camera of the nearest frame that is solved:
+/// they are of one recording, and tracking can then fill them.
+fn share_cameras(document: &mut Document) {
+    let with_base: BTreeMap<CameraId, ImageSize> = document
+        .cameras
+        .iter()
+        .filter(|camera| camera.base().is_some())
+        .map(|camera| (camera.id.clone(), camera.image_size))
+        .collect();
+    // The frames of each video by their numbers, with their places in the document.
+    let mut videos: BTreeMap<String, BTreeMap<u64, usize>> = BTreeMap::new();
+    for (place, frame) in document.frames.iter().enumerate() {
+        if let Some(video) = &frame.video {
+            let numbers = videos.entry(video.path.clone()).or_default();
+            numbers.insert(video.frame_index, place);
+        }
+    }
+    for numbers in videos.values() {
+        let solved: BTreeMap<u64, CameraId> = numbers
+            .iter()
+            .filter_map(|(number, place)| {
+                let frame = document.frames.get(*place)?;
+                let is_solved = frame.ptz.is_some() && with_base.contains_key(&frame.camera);
+                is_solved.then(|| (*number, frame.camera.clone()))
+            })
+            .collect();
+        for (number, place) in numbers {
+            let Some(frame) = document.frames.get_mut(*place) else {
+                continue;
+            };
+            if frame.ptz.is_some() || !frame.is_open() || with_base.contains_key(&frame.camera) {
+                continue;
+            }
+            let before = solved.range(..number).next_back();
+            let after = solved.range(number..).next();
+            let nearest = before
+                .into_iter()
+                .chain(after)
+                .min_by_key(|(other, _)| other.abs_diff(*number));
+            if let Some((_, camera)) = nearest
+                && with_base.get(camera) == Some(&frame.image_size)
+            {
+                frame.camera = camera.clone();
+            }
+        }
+    }
 }
 
 /// Whether an imported frame has something that a frame of the document may get.
@@ -298,6 +353,7 @@ mod tests {
             folder: PathBuf::from(folder),
             format: Format::Json,
             notes: vec!["said".to_owned()],
+            failures: Vec::new(),
         }
     }
 

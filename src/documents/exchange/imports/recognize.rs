@@ -5,8 +5,10 @@
 //! ignored, so that one damaged file in a folder does not matter. Where files of several formats
 //! lie together, the user decides.
 
+use crate::exchange::click_formats::points_table::COLUMNS as POINT_COLUMNS;
+use crate::exchange::click_formats::soccernet_lines::GAME_STATE;
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::{Files, base_name, text};
+use crate::exchange::files::{Files, base_name, refuse_archive, text};
 use crate::exchange::format::Format;
 use crate::exchange::registry::{Codec, codec};
 use crate::exchange::syntax::node::parse;
@@ -43,9 +45,14 @@ pub fn recognize_format(path: &Path) -> Result<Format, ExchangeError> {
     let formats: Vec<Format> = found.into_iter().collect();
     match formats[..] {
         [format] => Ok(format),
-        [] => Err(ExchangeError::UnknownFormat {
-            path: path.to_path_buf(),
-        }),
+        [] => {
+            if let (false, [(name, bytes)]) = (is_folder, &files.sorted_entries()[..]) {
+                refuse_archive(bytes).map_err(|problem| problem.within(name))?;
+            }
+            Err(ExchangeError::UnknownFormat {
+                path: path.to_path_buf(),
+            })
+        }
         _ => Err(ExchangeError::SeveralFormats {
             path: path.to_path_buf(),
             formats,
@@ -111,10 +118,7 @@ fn format_of_file(name: &str, bytes: &[u8]) -> Option<Format> {
         "freed" | "bin" => is_freed(bytes).then_some(Format::FreeD),
         "csv" => format_of_table(bytes),
         "yml" | "yaml" => format_of_yaml(text(bytes).ok()?),
-        "xml" => text(bytes)
-            .ok()?
-            .contains("<annotations")
-            .then_some(Format::Cvat),
+        "xml" => format_of_xml(text(bytes).ok()?),
         _ => format_of_text(name, bytes),
     }
 }
@@ -129,8 +133,18 @@ fn format_of_table(bytes: &[u8]) -> Option<Format> {
     if table.needs(&["r11", "focal_px"]).is_ok() {
         return Some(Format::Csv);
     }
+    if table.needs(&POINT_COLUMNS).is_ok() {
+        return Some(Format::Points);
+    }
     let has_zoom = table.needs(&["pan_deg", "zoom_raw"]).is_ok();
     has_zoom.then_some(Format::FreeDCsv)
+}
+
+fn format_of_xml(text: &str) -> Option<Format> {
+    if text.contains("<opencv_storage") {
+        return Some(Format::OpenCv);
+    }
+    text.contains("<annotations").then_some(Format::Cvat)
 }
 
 fn format_of_yaml(text: &str) -> Option<Format> {
@@ -176,12 +190,12 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
     }
     // The first entry counts of which the object has all keys.
     let keys: [(&[&str], Format); 9] = [
+        (&["camera_matrix"], Format::OpenCv),
         (&["cam_params"], Format::PnlCalib),
         (&["parameters"], Format::PnlCalib),
         (&["direction", "h"], Format::Homography),
         (&["transforms", "lens"], Format::OpenTrackIo),
         (&["calibration"], Format::DeepSport),
-        (&["images", "annotations", "categories"], Format::Coco),
         (&["shapes"], Format::Labelme),
         (&["data", "annotations"], Format::LabelStudio),
         (&["data", "completions"], Format::LabelStudio),
@@ -194,6 +208,19 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
         } else {
             Format::PnlCalib
         });
+    }
+    if base_name(name) == GAME_STATE {
+        return Some(Format::SoccerNetLines);
+    }
+    // Many files about pictures have such lists; COCO's pictures have an id.
+    let lists = ["images", "annotations", "categories"];
+    if lists
+        .iter()
+        .all(|key| value.get(key).is_some_and(Value::is_array))
+    {
+        let first = value["images"].get(0);
+        let is_coco = first.is_none_or(|image| image.get("id").is_some());
+        return is_coco.then_some(Format::Coco);
     }
     let by_keys = keys
         .into_iter()
@@ -212,6 +239,15 @@ fn format_of_list(items: &[Value]) -> Option<Format> {
     items.iter().find_map(|item| {
         if is_camera(item) {
             return Some(Format::PnlCalib);
+        }
+        if ["K", "kc", "R", "T"]
+            .iter()
+            .all(|key| item.get(key).is_some())
+        {
+            return Some(Format::DeepSport);
+        }
+        if item.get("transforms").is_some() && item.get("lens").is_some() {
+            return Some(Format::OpenTrackIo);
         }
         // A task of Label Studio, or one of its flat form JSON-MIN.
         let is_task = item.get("data").is_some() || item.get("image").is_some();
@@ -281,6 +317,21 @@ mod tests {
                 "annotations.xml",
                 "<annotations></annotations>".to_owned(),
                 Format::Cvat,
+            ),
+            (
+                "list.json",
+                "[{\"width\": 1}, {\"K\": [], \"kc\": [], \"R\": [], \"T\": []}]".to_owned(),
+                Format::DeepSport,
+            ),
+            (
+                "sample.json",
+                "{\n\"transforms\": [],\n\"lens\": {}\n}".to_owned(),
+                Format::OpenTrackIo,
+            ),
+            (
+                "a.xml",
+                "<opencv_storage></opencv_storage>".to_owned(),
+                Format::OpenCv,
             ),
             ("h.txt", "1 2 3\n4 5 6\n7 8 9\n".to_owned(), Format::Wc14),
         ] {

@@ -6,48 +6,6 @@ use touchline_core::geometry::ImageSize;
 /// The maximum frame number: at 60 frames per second it is reached after five centuries.
 const MAX_FRAME: f64 = 1e12;
 
-/// Pixels count as square if the two focal lengths differ by less than this fraction, and skew is
-/// less than it. Programs that estimate the two by themselves make them differ by some 1e-4; at the
-/// border of a picture 1920 px wide this limit is 0.5 px.
-const SQUARE: f64 = 5e-4;
-
-/// Whether two focal lengths belong to pixels that are not square, which no document can have.
-#[must_use]
-pub const fn are_oblong_pixels(fx: f64, fy: f64) -> bool {
-    (fx / fy - 1.0).abs() >= SQUARE
-}
-
-/// Refuses focal lengths of pixels that are not square.
-///
-/// # Errors
-/// They differ.
-pub fn refuse_oblong_pixels(fx: f64, fy: f64) -> Result<(), Problem> {
-    if are_oblong_pixels(fx, fy) {
-        return Err(not_square(format!("focal lengths {fx} and {fy} px")));
-    }
-    Ok(())
-}
-
-/// Refuses a calibration matrix of pixels that are not square, or are skewed.
-///
-/// # Errors
-/// They are.
-pub fn refuse_skewed_pixels(fx: f64, fy: f64, skew: f64) -> Result<(), Problem> {
-    if are_oblong_pixels(fx, fy) || skew.abs() > SQUARE * fx.abs() {
-        let what = format!("focal lengths {fx} and {fy} px, skew {skew}");
-        return Err(not_square(what));
-    }
-    Ok(())
-}
-
-/// The error of pixels that are not square.
-fn not_square(what: String) -> Problem {
-    Problem::Unsupported {
-        what,
-        why: "pixels must be square",
-    }
-}
-
 /// A side of a picture: a whole number of pixels, 1 to 65 535.
 ///
 /// # Errors
@@ -114,14 +72,6 @@ pub fn shorten(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn pixels_are_square_up_to_half_a_pixel_of_a_picture() {
-        assert!(!are_oblong_pixels(2410.0, 2411.0));
-        assert!(are_oblong_pixels(2410.0, 2412.0));
-        assert!(refuse_skewed_pixels(1894.707_4, 1894.706_9, -0.0014).is_ok());
-        assert!(refuse_skewed_pixels(1894.7, 1894.7, 3.0).is_err());
-    }
 
     #[test]
     fn what_is_no_side_or_number_is_refused() {

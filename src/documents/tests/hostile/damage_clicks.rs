@@ -11,8 +11,20 @@ pub fn add(damage: &mut Damage) {
         Format::Cvat => cvat(damage),
         Format::LabelStudio => label_studio(damage),
         Format::Labelme => labelme(damage),
+        Format::Points => points(damage),
         _ => {}
     }
+}
+
+fn points(damage: &mut Damage) {
+    damage.swap("no-labels", "frame,label,", "frame,name,");
+    damage.swap("x-in-words", "444.68", "left");
+    damage.swap("nan", "444.68", "nan");
+    damage.swap("no-label", "centre_mark", "");
+    damage.swap("unknown-label", "centre_mark", "the_middle");
+    damage.swap("leaves-the-folder", "0001.jpg", "../0001.jpg");
+    damage.swap("far-away", "444.68", "4e9");
+    damage.options("no-size", |options| options.size = None);
 }
 
 fn soccernet_lines(damage: &mut Damage) {

@@ -1,5 +1,5 @@
 //! Damaged and hostile files for every importer: what is said of each, and that none of them costs
-//! a panic or all memory.
+//! a panic or all memory. And which options each heeds.
 //!
 //! A binary of its own, because it counts what is allocated.
 
@@ -21,4 +21,5 @@ mod json_values;
 mod memory;
 mod messages;
 mod mutations;
+mod options;
 mod samples;

@@ -20,16 +20,9 @@ fn message_of(error: &ExchangeError, folder: &Path) -> String {
         .replace(&folder.join("in").display().to_string(), "FOLDER")
 }
 
-/// What an import says of a frame whose camera it cannot read; the frame has none then.
+/// What an import says of frames that it cannot read, beside others that it can.
 fn note_of_damage(imported: &Imported) -> Option<String> {
-    let is_unsolved = imported
-        .document
-        .frames
-        .iter()
-        .any(|frame| frame.ptz.is_none());
-    let mut notes = imported.notes.iter();
-    let note = notes.find(|note| note.contains("no camera that can be read"));
-    note.filter(|_| is_unsolved).cloned()
+    imported.failures.first().cloned()
 }
 
 /// Damage to a place, not to a file.

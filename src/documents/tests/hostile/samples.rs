@@ -102,7 +102,7 @@ impl Sample {
 }
 
 /// Two solved frames with clicks.
-fn document() -> Document {
+pub fn document() -> Document {
     let base = CameraBase {
         distortion: FocalCurve::constant(0.0661),
         ..CameraBase::new(
@@ -141,6 +141,7 @@ fn document() -> Document {
 fn files(format: Format) -> NamedFiles {
     match format {
         Format::Cvat => one("annotations.xml", CVAT),
+        Format::Points => one("points.csv", POINTS),
         Format::DeepSport => one("camcourt1_7.json", DEEPSPORT),
         Format::PnlCalib => one("0001.json", PNLCALIB),
         Format::AuthorsMat => vec![(
@@ -187,3 +188,9 @@ const PNLCALIB: &str = r#"{"cam_params":{"pan_degrees":12.5,"tilt_degrees":78.8,
  "x_focal_length":2410.0,"y_focal_length":2410.0,"principal_point":[960.0,540.0],"radial_distortion":[0,0,0,0,0,0],
  "tangential_distortion":[0,0],"thin_prism_distortion":[0,0,0,0],"rotation_matrix":[[1,0,0],[0,1,0],[0,0,1]]}}
 "#;
+
+const POINTS: &str = "frame,label,x,y
+0001.jpg,centre_mark,444.68,789.18
+0001.jpg,halfway_line,440.6,690.3
+0002.jpg,centre_mark,444.68,789.18
+";

@@ -176,6 +176,7 @@ fn show_import_preview(panel: &Panel<'_>, ui: &mut Ui) {
                 line(ui, text, palette.caution);
             }
             notes(ui, &joined.notes);
+            notes(ui, &joined.failures);
             pairs(ui, &joined.pairs);
         }
         PreviewResult::Import(Err(why)) => line(ui, why, palette.bad),

@@ -4,8 +4,8 @@ use super::typed::Typed;
 use egui::{ComboBox, DragValue, Ui};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::exchange::{
-    ExportOptions, Format, FormatOption, Gaps, ImportOptions, KeypointNames, LabelMap, PointSource,
-    Rate, Recording, Timecode, Zoom,
+    Direction, ExportOptions, Format, FormatOption, Gaps, ImportOptions, KeypointNames, LabelMap,
+    PointSource, Rate, Recording, Timecode, Zoom,
 };
 
 /// The pages, for the texts that are typed on them.
@@ -14,17 +14,16 @@ const IMPORT: &str = "import";
 
 /// The options of an export in this format.
 pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) {
-    // Cameras can be rescaled to another size of picture. Clicked points, and the document itself,
-    // are written as they are.
-    if !format.is_of_points() && format != Format::Json {
+    let takes = |option| format.takes(option, Direction::Export);
+    if takes(FormatOption::Size) {
         size(
             ui,
             EXPORT,
             &mut options.size,
-            "Cameras are rescaled to pictures of this size; SoccerNet's submissions want 960 × 540.",
+            "Cameras and points are rescaled to pictures of this size; SoccerNet's submissions \
+             want 960 × 540.",
         );
     }
-    let takes = |option| format.takes(option);
     // Points: which, and under which names.
     if format.is_of_points() {
         ui.horizontal(|ui| {
@@ -37,7 +36,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
             } else {
                 PointSource::Clicked
             };
-            if takes(FormatOption::Roboflow) {
+            if takes(FormatOption::Names) {
                 let mut roboflow = options.names == KeypointNames::Roboflow32;
                 ui.checkbox(&mut roboflow, "names of Roboflow's 32 points")
                     .on_hover_text("Other landmarks are left out.");
@@ -47,10 +46,12 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
                     KeypointNames::Touchline
                 };
             }
-            let tip = "Points outside their picture are written too.";
-            ui.checkbox(&mut options.keep_outside, "those outside as well")
-                .on_hover_text(tip);
-            if takes(FormatOption::GameState) {
+            if takes(FormatOption::Outside) {
+                let tip = "Points outside their picture are written too.";
+                ui.checkbox(&mut options.keep_outside, "those outside as well")
+                    .on_hover_text(tip);
+            }
+            if takes(FormatOption::Variant) {
                 ui.checkbox(&mut options.game_state, "game state")
                     .on_hover_text("Class names without the trailing space.");
             }
@@ -62,16 +63,18 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
         ui.checkbox(&mut options.undistorted, "of undistorted pictures")
             .on_hover_text(tip);
     }
-    if takes(FormatOption::Recording) {
+    if takes(FormatOption::MatchId) {
         recording(ui, &mut options.recording);
     }
-    if takes(FormatOption::Track) {
+    if takes(FormatOption::Interpolate) {
         ui.horizontal(|ui| gaps(ui, &mut options.gaps));
     }
-    if takes(FormatOption::Track) || takes(FormatOption::Recording) {
+    if takes(FormatOption::Fps) || takes(FormatOption::SensorMm) {
         ui.horizontal(|ui| {
-            rate(ui, &mut options.rate);
-            if takes(FormatOption::Sensor) {
+            if takes(FormatOption::Fps) {
+                rate(ui, &mut options.rate);
+            }
+            if takes(FormatOption::SensorMm) {
                 sensor(ui, EXPORT, &mut options.sensor_width_mm);
             }
         });
@@ -130,24 +133,25 @@ fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
 
 /// The options of an import of this format.
 pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) {
-    if format.is_of_points() {
+    let takes = |option| format.takes(option, Direction::Import);
+    if takes(FormatOption::Map) {
         labels(ui, options);
     }
-    size(
-        ui,
-        IMPORT,
-        &mut options.size,
-        "Of pictures that are not here, where the files do not say it.",
-    );
-    // FreeD states zoom as a raw number, so its meaning and the sensor are needed.
-    if format.takes(FormatOption::Zoom) {
-        ui.horizontal(|ui| {
+    if takes(FormatOption::Size) {
+        let tip = "Of pictures that are not here; what is for another size is rescaled.";
+        size(ui, IMPORT, &mut options.size, tip);
+    }
+    ui.horizontal(|ui| {
+        // FreeD states zoom as a raw number, so its meaning and the sensor are needed.
+        if takes(FormatOption::Zoom) {
             let mut chosen = options.zoom.clone().unwrap_or_default();
             zoom(ui, &mut chosen);
             options.zoom = Some(chosen);
+        }
+        if takes(FormatOption::SensorMm) {
             sensor(ui, IMPORT, &mut options.sensor_width_mm);
-        });
-    }
+        }
+    });
 }
 
 /// The size of pictures, px.

@@ -199,6 +199,7 @@ fn read_import(
         folder: location.folder().to_path_buf(),
         format: Format::Json,
         notes,
+        failures: Vec::new(),
     })
 }
 

@@ -1,15 +1,14 @@
 //! The arrays of a file: frames are read from them and written into them.
 
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, KnownLens, Pinhole};
+use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::error::Problem;
 use crate::exchange::options::Pixels;
 use crate::exchange::syntax::npy::Array;
 use crate::exchange::syntax::npz::Npz;
-use crate::exchange::syntax::values::{
-    are_oblong_pixels, coefficient, refuse_further_coefficients,
-};
+use crate::exchange::syntax::values::{coefficient, refuse_further_coefficients};
 use touchline_core::camera::Radial;
-use touchline_core::geometry::{ImagePoint, Mat3, Vec3};
+use touchline_core::geometry::{ImageSize, Mat3, Vec3};
 
 /// The coefficients that an export writes for a frame: k1, k2, p1, p2, k3.
 const COEFFICIENTS: usize = 5;
@@ -99,9 +98,14 @@ impl Sequence {
     }
 
     /// The projection of a frame: a camera if the file has its rotation and translation, else its
-    /// lens.
-    pub(super) fn projection(&self, frame: usize) -> Result<FrameProjection, Problem> {
-        let lens = lens_of(self.calibrations.row(frame), self.distortions.row(frame))?;
+    /// lens. With how far it is from the file's own at most, px.
+    pub(super) fn projection(
+        &self,
+        frame: usize,
+        size: ImageSize,
+    ) -> Result<(FrameProjection, f64), Problem> {
+        let (rows, coefficients) = (self.calibrations.row(frame), self.distortions.row(frame));
+        let (lens, off_px) = lens_of(rows, coefficients, size)?;
         // A row beyond the only pose gives no numbers, so that this frame has its lens alone.
         if let Some((rotations, translations)) = &self.poses
             && let &[x, y, z] = translations.row(frame)
@@ -113,24 +117,26 @@ impl Sequence {
                 position_m,
                 ..lens.camera_at_origin()
             };
-            return Ok(FrameProjection::Camera(pinhole.validate("the camera")?));
+            let pinhole = pinhole.validate("the camera")?;
+            return Ok((FrameProjection::Camera(pinhole), off_px));
         }
         lens.camera_at_origin()
             .validate("the camera")
-            .map(|_| FrameProjection::Lens(lens))
+            .map(|_| (FrameProjection::Lens(lens), off_px))
     }
 }
 
-/// The lens that a frame's rows of `K` and `k` state.
-fn lens_of(calibration: &[f64], distortion: &[f64]) -> Result<KnownLens, Problem> {
-    // By rows; a, b and c have no meaning of their own and must be zero.
-    let &[fx, skew, cx, a, fy, cy, b, c, scale] = calibration else {
-        return Err(Problem::Count {
-            what: "K".to_owned(),
-            wanted: 9,
-            found: calibration.len(),
-        });
-    };
+/// The lens that a frame's rows of `K` and `k` state, and how far it is from theirs at most, px.
+fn lens_of(
+    calibration: &[f64],
+    distortion: &[f64],
+    size: ImageSize,
+) -> Result<(KnownLens, f64), Problem> {
+    let rows: &[f64; 9] = calibration.try_into().map_err(|_| Problem::Count {
+        what: "K".to_owned(),
+        wanted: 9,
+        found: calibration.len(),
+    })?;
     if !calibration
         .iter()
         .chain(distortion)
@@ -138,25 +144,17 @@ fn lens_of(calibration: &[f64], distortion: &[f64]) -> Result<KnownLens, Problem
     {
         return Err(Problem::NotFinite("a number of K or k".to_owned()));
     }
-    if are_oblong_pixels(fx, fy) || [skew, a, b, c] != [0.0; 4] || scale != 1.0 {
-        let what = format!(
-            "K with focal lengths of {fx} and {fy} px, skew {skew} and last row {b}, {c}, {scale}"
-        );
-        return Err(Problem::Unsupported {
-            what,
-            why: "pixels must be square, without skew",
-        });
-    }
+    let square = Calibration::from_rows(rows, Pixels::Centre)?.with_square_pixels(size)?;
     refuse_further_coefficients(distortion.get(2..).unwrap_or_default())?;
-    let shift = Pixels::Centre.to_corner_px();
-    Ok(KnownLens {
-        focal_px: fx,
-        principal_point: ImagePoint::new(cx + shift, cy + shift),
+    let lens = KnownLens {
+        focal_px: square.focal_px,
+        principal_point: square.principal_point,
         radial: Radial {
             k1: coefficient(distortion, 0),
             k2: coefficient(distortion, 1),
         },
-    })
+    };
+    Ok((lens, square.off_px))
 }
 
 /// The arrays of some frames.

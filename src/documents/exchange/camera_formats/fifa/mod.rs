@@ -26,6 +26,7 @@ use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem};
 use crate::exchange::format::About;
+use crate::exchange::format_options::{self, FormatOption};
 use crate::exchange::options::{ImportOptions, Rotations};
 use crate::exchange::syntax::npz::{Npz, archive_to_bytes};
 use arrays::{Sequence, arrays_of};
@@ -58,7 +59,13 @@ impl CameraFormat for Fifa {
             file: Some("cameras.npz"),
             files: "archives of arrays (.npz)",
             endings: &["npz"],
-            options: &[],
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Interpolate,
+                FormatOption::Takes,
+                FormatOption::Rotations,
+            ],
+            import_options: format_options::CAMERAS_IN,
         }
     }
 
@@ -171,12 +178,13 @@ fn read_frame(
     video: &str,
     size: ImageSize,
 ) -> Result<FrameCamera, Problem> {
-    let shown = sequence
-        .projection(index)
+    let (shown, off_px) = sequence
+        .projection(index, size)
         .map_err(|problem| problem.at_frame(index))?;
     Ok(FrameCamera {
         video: Some(video.to_owned()),
         frame_index: Some(index as u64),
+        off_px,
         ..FrameCamera::new(&name_of(video, index), Some(size), shown)
     })
 }

@@ -214,7 +214,9 @@ fn damaged_arrays_are_named_in_one_line() {
         ),
         (
             with_value("K", 4, 2900.0),
-            "frame 0: K with focal lengths of 3000 and 2900 px, skew 0 and last row 0, 0, 1 cannot be read: pixels must be square, without skew",
+            "frame 0: focal lengths of 3000 and 2900 px with a skew of 0 px: the nearest square \
+             pixels are 16.09 px off; up to 0.5 % and 0.1 px are taken; resample the picture to \
+             square pixels",
         ),
         (
             with_value("k", 2, 0.01),

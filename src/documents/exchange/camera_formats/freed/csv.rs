@@ -6,7 +6,8 @@ use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, Write
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
-use crate::exchange::format::{About, Format, FormatOption};
+use crate::exchange::format::{About, Format};
+use crate::exchange::format_options::FormatOption;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::table::{Table, TableRow, field_text, push_row};
 use std::collections::BTreeSet;
@@ -42,11 +43,23 @@ impl CameraFormat for FreeDCsv {
             file: Some("camera.csv"),
             files: "table (.csv)",
             endings: &["csv"],
-            options: &[
-                FormatOption::Track,
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Interpolate,
+                FormatOption::Takes,
+                FormatOption::Fps,
                 FormatOption::Start,
+                FormatOption::SensorMm,
                 FormatOption::Zoom,
-                FormatOption::Stage,
+                FormatOption::StageOrigin,
+                FormatOption::StageHeading,
+            ],
+            import_options: &[
+                FormatOption::Field,
+                FormatOption::Set,
+                FormatOption::Size,
+                FormatOption::Zoom,
+                FormatOption::SensorMm,
             ],
         }
     }

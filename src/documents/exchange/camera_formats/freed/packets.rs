@@ -8,9 +8,11 @@ use crate::exchange::cameras::camera_format::{
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::{cannot_hold, note_lost_gaps};
 use crate::exchange::cameras::into_document::Exactness;
+use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, refuse_archive};
-use crate::exchange::format::{About, Format, FormatOption};
+use crate::exchange::format::{About, Format};
+use crate::exchange::format_options::FormatOption;
 use crate::exchange::options::ImportOptions;
 
 /// Packets.
@@ -18,6 +20,30 @@ pub struct FreeD;
 
 /// The rounding of three angles and of a position seen from two metres, half a step each, rad.
 const STEP_RAD: f64 = 8e-6;
+
+/// The packets of a stream. Bytes that were lost on the way cost the packet that they are missing
+/// in, not all behind it.
+fn split_packets(bytes: &[u8]) -> Vec<&[u8]> {
+    let mut packets = Vec::with_capacity(bytes.len() / PACKET + 1);
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        // A damaged packet ends where the next whole one begins, which is at its own end unless
+        // bytes are missing.
+        let is_packet = |at: usize| {
+            let packet = rest.get(at..at + PACKET);
+            packet.is_some_and(|packet| Sample::from_packet(packet).is_ok())
+        };
+        let end = if is_packet(0) || is_packet(PACKET) {
+            PACKET
+        } else {
+            (1..PACKET).find(|at| is_packet(*at)).unwrap_or(PACKET)
+        };
+        let (packet, others) = rest.split_at(end.min(rest.len()));
+        packets.push(packet);
+        rest = others;
+    }
+    packets
+}
 
 impl CameraFormat for FreeD {
     fn about(&self) -> About {
@@ -32,12 +58,22 @@ impl CameraFormat for FreeD {
             file: Some("camera.freed"),
             files: "packets (.freed)",
             endings: &["freed", "bin"],
-            options: &[
-                FormatOption::Track,
-                FormatOption::Sensor,
-                FormatOption::Start,
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Interpolate,
+                FormatOption::Takes,
+                FormatOption::SensorMm,
                 FormatOption::Zoom,
-                FormatOption::Stage,
+                FormatOption::StageOrigin,
+                FormatOption::StageHeading,
+            ],
+            import_options: &[
+                FormatOption::Field,
+                FormatOption::Set,
+                FormatOption::Images,
+                FormatOption::Size,
+                FormatOption::Zoom,
+                FormatOption::SensorMm,
             ],
         }
     }
@@ -118,21 +154,23 @@ impl CameraFormat for FreeD {
                 return Err(Problem::Empty);
             }
             refuse_archive(bytes)?;
-            let mut frames = Vec::with_capacity(bytes.len() / PACKET);
-            // `chunks` also gives the rest of a file that was cut, which is no packet.
-            for (index, packet) in bytes.chunks(PACKET).enumerate() {
+            let mut frames = FrameCollector::default();
+            for (index, packet) in split_packets(bytes).into_iter().enumerate() {
+                let name = format!("{count:06}");
                 let pinhole = Sample::from_packet(packet)
                     .and_then(|sample| sample.pinhole(reading))
-                    .map_err(|problem| problem.at_packet(index + 1))?;
-                let shown = FrameProjection::Camera(pinhole);
-                frames.push(FrameCamera::new(
-                    &format!("{count:06}"),
-                    Some(reading.size),
-                    shown,
-                ));
+                    .map_err(|problem| problem.at_packet(index + 1));
+                let frame = pinhole.map(|pinhole| {
+                    let shown = FrameProjection::Camera(pinhole);
+                    FrameCamera::new(&name, Some(reading.size), shown)
+                });
+                frames.add(&name, None, frame);
                 count += 1;
+                if frames.has_only_damaged() {
+                    break;
+                }
             }
-            Ok(frames)
+            frames.finish()
         })
     }
 }

@@ -8,9 +8,11 @@ use super::ground_homography::{corner_from, hold, inverse, matrix, normalise_hom
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::relative_name;
+use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
-use crate::exchange::format::{About, FormatOption};
+use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse, safe_path};
 use crate::exchange::syntax::values::{shorten, side_px};
@@ -112,7 +114,8 @@ impl CameraFormat for HomographyLines {
             file: Some("cameras.jsonl"),
             files: "homographies (.jsonl)",
             endings: &["jsonl"],
-            options: &[FormatOption::Undistorted],
+            export_options: format_options::HOMOGRAPHIES_OUT,
+            import_options: format_options::CAMERAS_IN,
         }
     }
 
@@ -171,9 +174,15 @@ impl CameraFormat for HomographyLines {
                 .lines()
                 .enumerate()
                 .filter(|(_, line)| !line.trim().is_empty());
-            let frames = lines
-                .map(|(index, line)| read_line(line).map_err(|problem| problem.at_line(index + 1)));
-            frames.collect::<Result<Vec<_>, _>>()
+            let mut frames = FrameCollector::default();
+            for (index, line) in lines {
+                let read = read_line(line).map_err(|problem| problem.at_line(index + 1));
+                frames.add(&format!("line {}", index + 1), None, read);
+                if frames.has_only_damaged() {
+                    break;
+                }
+            }
+            frames.finish()
         })
     }
 }

@@ -12,7 +12,8 @@ use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::cameras::unreadable::read_frame_files;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem, text};
-use crate::exchange::format::{About, FormatOption};
+use crate::exchange::format::About;
+use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::npy;
 use crate::exchange::syntax::table::numbers;
@@ -116,7 +117,8 @@ impl CameraFormat for Wc14 {
             file: None,
             files: "homographies (.homographyMatrix)",
             endings: &[WC14_ENDING],
-            options: &[FormatOption::Undistorted],
+            export_options: format_options::HOMOGRAPHIES_OUT,
+            import_options: format_options::CAMERAS_IN,
         }
     }
 
@@ -181,7 +183,8 @@ impl CameraFormat for TsWorldCup {
             file: None,
             files: "homographies (…_homography.npy)",
             endings: &["npy"],
-            options: &[FormatOption::Undistorted],
+            export_options: format_options::HOMOGRAPHIES_OUT,
+            import_options: format_options::CAMERAS_IN,
         }
     }
 

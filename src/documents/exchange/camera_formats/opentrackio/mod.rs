@@ -1,4 +1,5 @@
-//! `OpenTrackIO` 1.0.1: one sample per line and frame.
+//! `OpenTrackIO` 1.0.1: one sample per line and frame. Files of one sample, and lists, are read
+//! too.
 //!
 //! World and metres are ours; angles about Z, X, Y with pan positive to the *left*. Focal length,
 //! offsets and distortion are in mm of the sensor. Any sensor width gives the same picture as long
@@ -6,20 +7,24 @@
 //! distortion model `Brown-Conrady U-D` equals ours: `radial` = [k1/F², 0, k2/F⁴, 0] (numerator and
 //! denominator alternate). Source: SMPTE/ris-osvp-metadata-camdkit (schema and documentation).
 
+mod lens_law;
 mod sample_reading;
 mod sample_writing;
 
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::FrameCamera;
 use crate::exchange::cameras::held::parts;
-use crate::exchange::error::ExchangeError;
+use crate::exchange::cameras::unreadable::FrameCollector;
+use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
-use crate::exchange::format::{About, FormatOption};
+use crate::exchange::format::About;
+use crate::exchange::format_options::FormatOption;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::{Node, parse};
-use sample_reading::{Static, read_line, unread_of_sample};
+use sample_reading::{Static, name_of_sample, read_sample, unread_of_sample};
 use sample_writing::{sample, static_part};
-use std::collections::BTreeSet;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::geometry::ImageSize;
 
 /// The format.
@@ -33,6 +38,9 @@ const REPEAT_SECONDS: f64 = 2.0;
 
 /// The name of the distortion model that equals ours.
 const MODEL: &str = "Brown-Conrady U-D";
+
+/// The model of the other direction, which is meant where no model is named.
+const INVERSE_MODEL: &str = "Brown-Conrady D-U";
 
 /// What the notes of a sample begin with.
 const OWN_NOTES: &str = "touchline";
@@ -55,13 +63,24 @@ impl CameraFormat for OpenTrackIo {
             users: "Unreal 5.6, disguise, Mo-Sys, stYpe",
             loses: Some("uncertainty"),
             file: Some("cameras.jsonl"),
-            files: "samples (.jsonl)",
-            endings: &["jsonl"],
-            options: &[
-                FormatOption::Track,
-                FormatOption::Sensor,
+            files: "samples (.jsonl, .json)",
+            endings: &["jsonl", "json"],
+            export_options: &[
+                FormatOption::Size,
+                FormatOption::Interpolate,
+                FormatOption::Takes,
+                FormatOption::Fps,
                 FormatOption::Start,
-                FormatOption::Stage,
+                FormatOption::SensorMm,
+                FormatOption::StageOrigin,
+                FormatOption::StageHeading,
+            ],
+            import_options: &[
+                FormatOption::Field,
+                FormatOption::Set,
+                FormatOption::Images,
+                FormatOption::Size,
+                FormatOption::SensorMm,
             ],
         }
     }
@@ -105,14 +124,13 @@ impl CameraFormat for OpenTrackIo {
     }
 
     fn unread(&self, files: &Files) -> Vec<String> {
-        let sorted = files.sorted_entries();
-        let lines = sorted
-            .iter()
-            .filter_map(|(_, bytes)| text(bytes).ok())
-            .flat_map(str::lines);
         let mut unread = BTreeSet::new();
-        for sample in lines.filter_map(|line| parse(line.as_bytes()).ok()) {
-            unread.extend(unread_of_sample(&Node::root(&sample)));
+        for (_, bytes) in files.sorted_entries() {
+            // What is damaged was named when it was read.
+            let _ = each_sample(bytes, |_, sample| {
+                unread.extend(unread_of_sample(&Node::root(&sample?)));
+                Ok(())
+            });
         }
         let unread: Vec<String> = unread.into_iter().collect();
         if unread.is_empty() {
@@ -127,24 +145,102 @@ impl CameraFormat for OpenTrackIo {
         files: &Files,
         options: &ImportOptions,
     ) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let mut count = 0;
-        files.read_all(|_, bytes| {
-            // The files of a folder are tracks of their own; names without numbers are counted over
-            // all of them.
-            let mut known = Static::default();
-            let lines = text(bytes)?
-                .lines()
-                .enumerate()
-                .filter(|(_, line)| !line.trim().is_empty());
-            lines
-                .map(|(index, line)| {
-                    count += 1;
-                    read_line(line, &mut known, options, count - 1)
-                        .map_err(|problem| problem.at_line(index + 1))
-                })
-                .collect::<Result<Vec<_>, _>>()
-        })
+        let sorted = files.sorted_entries();
+        // The static part may be in any sample of a source, or in another file of the folder: what
+        // comes before the first one has that one's.
+        let mut known = first_statics(&sorted);
+        let mut frames = FrameCollector::default();
+        for (file, bytes) in &sorted {
+            let read = each_sample(bytes, |line, sample| {
+                let index = frames.len();
+                let mut name = format!("{index:06}");
+                let read = sample.and_then(|sample| {
+                    let root = Node::root(&sample);
+                    name = name_of_sample(&root, index)?;
+                    let known = known.entry(source_of(&root)).or_default();
+                    read_sample(&root, known, options, index)
+                });
+                let read = read.map_err(|problem| match line {
+                    Some(line) => problem.at_line(line),
+                    None => problem,
+                });
+                frames.add(&name, None, read);
+                if frames.has_only_damaged() {
+                    Err(Problem::Empty)
+                } else {
+                    Ok(())
+                }
+            });
+            // An empty file is said to be empty; a stop at damage alone is said by the frames.
+            if let Err(problem) = read
+                && frames.len() == 0
+            {
+                return Err(problem.within(file));
+            }
+        }
+        let first = sorted.first().map_or("", |(file, _)| *file);
+        frames.finish().map_err(|problem| problem.within(first))
     }
+}
+
+/// The samples of a file with their lines: one sample, a list of them, or one a line.
+///
+/// # Errors
+/// The file is empty or no text, or `each` fails.
+fn each_sample(
+    bytes: &[u8],
+    mut each: impl FnMut(Option<usize>, Result<Value, Problem>) -> Result<(), Problem>,
+) -> Result<(), Problem> {
+    let text = text(bytes)?;
+    let lines = text.lines().enumerate();
+    let mut lines = lines.filter(|(_, line)| !line.trim().is_empty()).peekable();
+    // A file of one sample a line is never read as a whole: it may be as long as a match. The first
+    // line of any other file is no JSON by itself, or a list.
+    let first = lines.peek().map_or("", |(_, line)| *line);
+    let is_sample_a_line = matches!(parse(first.as_bytes()), Ok(Value::Object(_)));
+    if !is_sample_a_line {
+        match parse(bytes) {
+            Ok(Value::Array(samples)) => {
+                return samples
+                    .into_iter()
+                    .try_for_each(|sample| each(None, Ok(sample)));
+            }
+            Ok(sample) => return each(None, Ok(sample)),
+            // A damaged line among others, unless the file is one damaged sample.
+            Err(problem) if first.trim() == "{" || first.trim_start().starts_with('[') => {
+                return each(None, Err(problem));
+            }
+            Err(_) => {}
+        }
+    }
+    for (index, line) in lines {
+        each(Some(index + 1), parse(line.as_bytes()))?;
+    }
+    Ok(())
+}
+
+/// The source of a sample, whose static part it has; empty where it names none.
+fn source_of(root: &Node<'_>) -> String {
+    let source = root
+        .find("sourceId")
+        .and_then(|source| source.value().as_str());
+    source.unwrap_or_default().to_owned()
+}
+
+/// The first static part of each source.
+fn first_statics(files: &[(&str, &[u8])]) -> BTreeMap<String, Static> {
+    let mut first = BTreeMap::new();
+    for (_, bytes) in files {
+        let _ = each_sample(bytes, |_, sample| {
+            let sample = sample?;
+            let root = Node::root(&sample);
+            if let Some(stated) = Static::of_sample(&root) {
+                first.entry(source_of(&root)).or_insert(stated);
+            }
+            Ok(())
+        });
+    }
+    first
 }
 
 #[cfg(test)]
@@ -153,9 +249,17 @@ mod tests {
     use crate::exchange::export;
     use crate::exchange::tests::{awkward, export_as, reference, text_of};
     use crate::exchange::{ExportOptions, Files, Format};
-    use serde_json::{Value, json};
+    use serde_json::json;
     use std::path::Path;
     use touchline_core::camera::Radial;
+
+    /// Reads a sample by itself.
+    fn read_line(text: &str, options: &ImportOptions) -> Result<FrameCamera, ExchangeError> {
+        let files = Files::one("a.jsonl", text.as_bytes().to_vec());
+        OpenTrackIo
+            .read(&files, options)
+            .map(|mut frames| frames.remove(0))
+    }
 
     #[test]
     fn what_changes_the_picture_and_is_not_read_is_named() {
@@ -168,24 +272,14 @@ mod tests {
         };
         let mut sample: Value = serde_json::from_str(text.trim()).unwrap();
         assert_eq!(unread(&sample), [""; 0]);
-        sample["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 1, "denom": 1 });
-        sample["lens"]["distortionOffset"] = json!({ "x": 0.0, "y": 0.0 });
+        sample["lens"]["perspectiveShift"] = json!({ "x": 0.0, "y": 0.0 });
         sample["lens"]["distortionOverscan"] = 1.0.into();
         assert_eq!(unread(&sample), [""; 0], "nothing changes");
-        sample["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 2, "denom": 1 });
-        sample["lens"]["distortionOffset"]["x"] = 0.1.into();
+        sample["lens"]["perspectiveShift"]["x"] = 0.1.into();
         sample["lens"]["distortionOverscan"] = 1.2.into();
         sample["protocol"]["version"] = json!([0, 9, 2]);
-        let first = sample["lens"]["distortion"][0].clone();
-        sample["lens"]["distortion"] = json!([first, first]);
         let said = unread(&sample).concat();
-        for named in [
-            "anamorphicSqueeze",
-            "distortionOffset",
-            "distortionOverscan",
-            "version 0.9.2",
-            "another distortion",
-        ] {
+        for named in ["perspectiveShift", "distortionOverscan", "version 0.9.2"] {
             assert!(said.contains(named), "{named}: {said}");
         }
     }
@@ -240,12 +334,7 @@ mod tests {
         );
         let moved = text.replace("\"entrancePupilOffset\":0.0", "\"entrancePupilOffset\":0.5");
         let options = ImportOptions::default();
-        let read = |text: &str| {
-            *read_line(text.trim(), &mut Static::default(), &options, 0)
-                .unwrap()
-                .pinhole()
-                .unwrap()
-        };
+        let read = |text: &str| *read_line(text, &options).unwrap().pinhole().unwrap();
         let (before, after) = (read(&text), read(&moved));
         let forward = before.cam_from_world.row(2).transpose();
         assert!((after.position_m - before.position_m - forward * 0.5).norm() < 1e-12);
@@ -263,10 +352,8 @@ mod tests {
         foreign["model"] = "Brown-Conrady D-U".into();
         sample["lens"]["distortion"] = json!([foreign, ours]);
         let options = ImportOptions::default();
-        let [alone, second] = [text.trim().to_owned(), sample.to_string()].map(|line| {
-            let read = read_line(&line, &mut Static::default(), &options, 0);
-            read.unwrap().pinhole().unwrap().lens
-        });
+        let [alone, second] = [text.trim().to_owned(), sample.to_string()]
+            .map(|line| read_line(&line, &options).unwrap().pinhole().unwrap().lens);
         assert_eq!(second, alone);
         assert_ne!(second, Radial::default());
     }
@@ -298,8 +385,7 @@ mod tests {
         let moved = text.replace("; 0001\"", "; ../../0001\"");
         assert_ne!(moved, text);
         let options = ImportOptions::default();
-        let read = read_line(moved.trim(), &mut Static::default(), &options, 0);
-        assert_eq!(read.unwrap().name, "0001");
+        assert_eq!(read_line(&moved, &options).unwrap().name, "0001");
     }
 
     #[test]
@@ -329,7 +415,9 @@ mod tests {
             (String::new(), "the file is empty"),
             (
                 "{}".to_owned(),
-                "line 1: static.camera.activeSensorResolution is missing",
+                "line 1: the camera (static.camera: activeSensorResolution, \
+                 activeSensorPhysicalDimensions) is not known; give --size WIDTHxHEIGHT and \
+                 --sensor-mm",
             ),
             (swap("\"lens\"", "\"lense\""), "line 1: lens is missing"),
             (
@@ -342,15 +430,13 @@ mod tests {
             ),
             (
                 swap("\"id\":\"Camera\"", "\"scale\":{\"x\":2}"),
-                "line 1: transforms[0].scale cannot be read: cameras have one scale",
+                "line 1: transforms[0].scale.x of 2 cannot be read: a camera has a scale of 1; \
+                 remove it from the samples where it is that of a model on the stage",
             ),
             (
-                swap("Brown-Conrady U-D", "Brown-Conrady D-U"),
-                "line 1: the model of lens.distortion[0] cannot be read: only Brown-Conrady U-D is read",
-            ),
-            (
-                swap(",0.0,0.0,0.0]}", ",0.5,0.0,0.0]}"),
-                "line 1: a coefficient of lens.distortion[0] beyond l1 and l3 cannot be read: the document's lens has k1 and k2 only",
+                swap("Brown-Conrady U-D", "Fisheye"),
+                "line 1: the model of lens.distortion[0]: Brown-Conrady U-D or Brown-Conrady D-U \
+                 is expected, found \"Fisheye\"",
             ),
             (
                 swap("\"pinholeFocalLength\":12.05", "\"pinholeFocalLength\":0"),
@@ -368,5 +454,94 @@ mod tests {
                 .to_string();
             assert_eq!(error, format!("a.jsonl: {wanted}"));
         }
+    }
+
+    /// Samples of two frames, of which only the given ones have the static part.
+    fn samples(with_static: [bool; 2]) -> [Value; 2] {
+        let text = text_of(
+            &export_as(&awkward(), Format::OpenTrackIo).files,
+            "camera.jsonl",
+        );
+        let mut lines = text.lines().map(|line| serde_json::from_str(line).unwrap());
+        let mut two: [Value; 2] = [lines.next().unwrap(), lines.next().unwrap()];
+        let stated = two[0]["static"].clone();
+        for (sample, has_it) in two.iter_mut().zip(with_static) {
+            sample["static"] = if has_it { stated.clone() } else { json!({}) };
+        }
+        two
+    }
+
+    #[test]
+    fn samples_are_read_however_they_are_laid_out() {
+        let [a, b] = samples([true, true]);
+        let lines = format!("{a}\n\n{b}\n");
+        let list = json!([a, b]);
+        let one = |text: String| Files::one("a.json", text.into_bytes());
+        let mut a_file_each = one(format!("{a:#}"));
+        a_file_each.add("b.json", format!("{b:#}"));
+        let options = ImportOptions::default();
+        let wanted = OpenTrackIo.read(&one(lines), &options).unwrap();
+        assert_eq!(wanted.len(), 2);
+        for files in [one(list.to_string()), one(format!("{list:#}")), a_file_each] {
+            assert_eq!(OpenTrackIo.read(&files, &options).unwrap(), wanted);
+        }
+    }
+
+    #[test]
+    fn the_static_part_may_come_once_late_or_never() {
+        let options = ImportOptions {
+            size: Some(ImageSize::new(1920, 1080)),
+            sensor_width_mm: Some(NOMINAL_MM),
+            ..ImportOptions::default()
+        };
+        let read = |with_static, options: &ImportOptions| {
+            let [a, b] = samples(with_static);
+            let files = Files::one("a.jsonl", format!("{a}\n{b}\n").into_bytes());
+            OpenTrackIo.read(&files, options)
+        };
+        let stated = ImportOptions::default();
+        let wanted = read([true, true], &stated).unwrap();
+        for with_static in [[true, false], [false, true]] {
+            assert_eq!(
+                read(with_static, &stated).unwrap(),
+                wanted,
+                "{with_static:?}"
+            );
+        }
+        let never = read([false, false], &stated).unwrap_err().to_string();
+        assert!(
+            never.ends_with("give --size WIDTHxHEIGHT and --sensor-mm"),
+            "{never}"
+        );
+        assert_eq!(
+            read([false, false], &options).unwrap(),
+            wanted,
+            "as it says"
+        );
+    }
+
+    #[test]
+    fn what_the_document_cannot_have_is_refused_with_how_far_it_is() {
+        let [sample, _] = samples([true, true]);
+        let read = |sample: &Value| read_line(&sample.to_string(), &ImportOptions::default());
+        let mut absurd = sample.clone();
+        absurd["lens"]["distortion"] =
+            json!([{ "radial": [1.0, 2.0, 3.0], "tangential": [1.0, 2.0] }]);
+        let said = read(&absurd).unwrap_err().to_string();
+        assert!(
+            said.contains("px off where k1 and k2 are nearest"),
+            "{said}"
+        );
+        absurd["lens"].as_object_mut().unwrap().remove("distortion");
+        assert!(read(&absurd).is_ok(), "as it says");
+        let mut squeezed = sample.clone();
+        squeezed["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 2, "denom": 1 });
+        let said = read(&squeezed).unwrap_err().to_string();
+        assert!(said.contains("the nearest square pixels are"), "{said}");
+        let mut scaled = sample;
+        scaled["transforms"][0]["scale"] = json!({ "x": 1.0, "y": 1, "z": 1.0 });
+        assert!(read(&scaled).is_ok());
+        scaled["transforms"][0]["scale"]["y"] = 2.into();
+        assert!(read(&scaled).is_err());
     }
 }

@@ -1,18 +1,23 @@
 //! Reads one sample of `OpenTrackIO`. What a sample leaves out is taken from the static part that
 //! came before it, and what would change the picture but is not read is named.
 
-use super::{MODEL, NAME_KEY, NOMINAL_NOTE, OWN_NOTES};
+use super::lens_law::{BrownConrady, FittedLens, Screen};
+use super::{INVERSE_MODEL, MODEL, NAME_KEY, NOMINAL_NOTE, OWN_NOTES};
 use crate::exchange::cameras::body_angles::{cam_from_world, world_from_body};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
+use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::error::Problem;
 use crate::exchange::files::base_name;
 use crate::exchange::options::ImportOptions;
-use crate::exchange::syntax::node::{Node, parse};
-use crate::exchange::syntax::values::coefficient;
+use crate::exchange::syntax::node::Node;
+use crate::exchange::syntax::values::shorten;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use touchline_core::camera::Radial;
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+
+/// How far the lens of a document may be from that of a sample, px.
+const MOST_OFF_PX: f64 = 0.05;
 
 /// The name of a frame in the notes of its sample; none in those of other programs.
 pub(super) fn name_in_notes(notes: &str) -> Option<&str> {
@@ -34,14 +39,33 @@ fn text_at<'a>(root: &Node<'a>, path: &[&str]) -> Option<&'a str> {
 
 /// The sensor's width (mm) and the size of the picture, which only some samples contain; the last
 /// ones read remain valid.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub(super) struct Static {
-    pub(super) sensor_mm: Option<f64>,
-    pub(super) size: Option<ImageSize>,
+    sensor_mm: Option<f64>,
+    size: Option<ImageSize>,
+    /// How much wider the lens sees than the sensor has pixels for.
+    squeeze: f64,
+}
+
+impl Default for Static {
+    fn default() -> Self {
+        Self {
+            sensor_mm: None,
+            size: None,
+            squeeze: 1.0,
+        }
+    }
 }
 
 impl Static {
-    fn update(&mut self, root: &Node<'_>) -> Result<(), Problem> {
+    /// What a sample itself states; none where it has no such part.
+    pub(super) fn of_sample(root: &Node<'_>) -> Option<Self> {
+        root.find("static")?.find("camera")?;
+        let mut stated = Self::default();
+        stated.update(root).ok().map(|()| stated)
+    }
+
+    pub(super) fn update(&mut self, root: &Node<'_>) -> Result<(), Problem> {
         // Only the first sample and one every few seconds have the static part, so that a receiver
         // can begin anywhere.
         let Some(camera) = root.find("static").and_then(|part| part.find("camera")) else {
@@ -49,6 +73,10 @@ impl Static {
         };
         if let Some(sensor) = camera.find("activeSensorPhysicalDimensions") {
             self.sensor_mm = Some(sensor.key("width")?.positive()?);
+        }
+        if let Some(squeeze) = camera.find("anamorphicSqueeze") {
+            let [num, denom] = squeeze.numbers_at(["num", "denom"])?;
+            self.squeeze = num / denom;
         }
         if let Some(size) = camera.find("activeSensorResolution") {
             self.size = Some(size.size_at("width", "height")?);
@@ -67,11 +95,8 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
         return Err(Problem::Missing("a transform".to_owned()));
     }
     for transform in transforms.items()? {
-        if transform.find("scale").is_some() {
-            return Err(Problem::Unsupported {
-                what: transform.path().to_owned() + ".scale",
-                why: "cameras have one scale",
-            });
+        if let Some(scale) = transform.find("scale") {
+            refuse_scale(&scale)?;
         }
         let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
         // Each transform is in the axes of the one before: a crane, its arm, its head.
@@ -81,14 +106,27 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
     Ok((rotation, place))
 }
 
+/// Refuses a scale other than one: it would stretch the camera's own axes.
+fn refuse_scale(scale: &Node<'_>) -> Result<(), Problem> {
+    let stated = ["x", "y", "z"].iter().filter_map(|axis| scale.find(axis));
+    for side in stated {
+        if side.number()? != 1.0 {
+            return Err(Problem::Unsupported {
+                what: format!("{} of {}", side.path(), side.number()?),
+                why: "a camera has a scale of 1; remove it from the samples where it is that of \
+                 a model on the stage",
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Entries that affect the picture and are not read.
-const UNREAD: [&[&str]; 7] = [
-    &["static", "camera", "anamorphicSqueeze"],
+const UNREAD: [&[&str]; 5] = [
     &["static", "lens", "distortionOverscanMax"],
     &["static", "lens", "undistortionOverscanMax"],
     &["lens", "distortionOverscan"],
     &["lens", "undistortionOverscan"],
-    &["lens", "distortionOffset"],
     &["lens", "perspectiveShift"],
 ];
 
@@ -108,12 +146,6 @@ pub(super) fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
         unread.insert(format!(
             "protocol version {major}.{minor}.{patch} (taken as 1.0.1)"
         ));
-    }
-    if find_path(root, &["lens", "distortion"])
-        .and_then(|list| list.count().ok())
-        .is_some_and(|count| count > 1)
-    {
-        unread.insert("another distortion of the lens".to_owned());
     }
     unread
 }
@@ -135,78 +167,112 @@ fn is_neutral(value: &Value) -> bool {
     }
 }
 
-pub(super) fn radial(lens: &Node<'_>, focal_mm: f64) -> Result<Radial, Problem> {
-    let Some(list) = lens.find("distortion") else {
-        return Ok(Radial::default());
+/// The distortions that a lens states, those of our direction first.
+fn distortions(lens: &Node<'_>) -> Result<Vec<BrownConrady>, Problem> {
+    let centre_mm = match lens.find("distortionOffset") {
+        Some(offset) => Vec2::from(offset.numbers_at(["x", "y"])?),
+        None => Vec2::zeros(),
     };
-    // A list may have a model for each direction, in any order. The first one of ours that distorts
-    // counts: the other direction has no closed form in our coefficients. `unread` reports that
-    // there is another one.
-    let mut foreign = None;
+    let mut laws = Vec::new();
+    let Some(list) = lens.find("distortion") else {
+        return Ok(laws);
+    };
     for distortion in list.items()? {
-        let terms = distortion.key("radial")?.all_numbers()?;
+        let model = distortion
+            .find("model")
+            .map(|model| model.text())
+            .transpose()?;
+        let is_inverse = match model {
+            Some(MODEL) => false,
+            None | Some(INVERSE_MODEL) => true,
+            Some(other) => {
+                return Err(Problem::Kind {
+                    what: format!("the model of {}", distortion.path()),
+                    wanted: "Brown-Conrady U-D or Brown-Conrady D-U",
+                    found: format!("{:?}", shorten(other)),
+                });
+            }
+        };
         let tangential = distortion
             .find("tangential")
             .map(|node| node.all_numbers())
-            .transpose()?
-            .unwrap_or_default();
-        let bends = terms.iter().chain(&tangential).any(|term| *term != 0.0);
-        let is_ours = distortion
-            .find("model")
-            .is_some_and(|model| model.value() == MODEL);
-        if !is_ours && bends {
-            let what = format!("the model of {}", distortion.path());
-            foreign.get_or_insert(Problem::Unsupported {
-                what,
-                why: "only Brown-Conrady U-D is read",
-            });
-            continue;
-        }
-        // Numerator and denominator alternate: l1 and l3 are the first two terms of the numerator,
-        // k1 and k2. All others must be zero.
-        let further = terms
-            .iter()
-            .enumerate()
-            .any(|(index, term)| *term != 0.0 && index != 0 && index != 2);
-        if further || tangential.iter().any(|term| *term != 0.0) {
-            let what = format!("a coefficient of {} beyond l1 and l3", distortion.path());
-            return Err(Problem::Unsupported {
-                what,
-                why: "the document's lens has k1 and k2 only",
-            });
-        }
-        if bends {
-            return Ok(Radial {
-                k1: coefficient(&terms, 0) * focal_mm.powi(2),
-                k2: coefficient(&terms, 2) * focal_mm.powi(4),
-            });
-        }
+            .transpose()?;
+        laws.push(BrownConrady {
+            radial: distortion.key("radial")?.all_numbers()?,
+            tangential: tangential.unwrap_or_default(),
+            centre_mm,
+            is_inverse,
+        });
     }
-    foreign.map_or_else(|| Ok(Radial::default()), Err)
+    laws.retain(BrownConrady::bends);
+    laws.sort_by_key(|law| law.is_inverse);
+    Ok(laws)
 }
 
-pub(super) fn read_line(
-    line: &str,
+/// The lens of a document nearest to that of a sample, and how far it is off at most, px.
+///
+/// # Errors
+/// It is too far off; how far is said.
+fn radial(lens: &Node<'_>, screen: &Screen) -> Result<(Radial, f64), Problem> {
+    // A list may have a law for each direction; the one of our direction needs no inverse.
+    let laws = distortions(lens)?;
+    let Some(law) = laws.first() else {
+        return Ok((Radial::default(), 0.0));
+    };
+    let FittedLens { radial, off_px } = law.fit(screen);
+    if off_px <= MOST_OFF_PX {
+        return Ok((radial, off_px));
+    }
+    let far = if off_px.is_finite() {
+        format!("{off_px:.3e} px off")
+    } else {
+        "without undistorted points for all of the picture".to_owned()
+    };
+    Err(Problem::Unsupported {
+        what: format!("lens.distortion: it is {far} where k1 and k2 are nearest, so that it"),
+        why: "up to 0.05 px is taken; take it out of the pictures with a tool that knows it, and \
+         remove lens.distortion from the samples",
+    })
+}
+
+/// The numbers of the camera that a sample or an option must state.
+fn sensor_of(known: &Static, options: &ImportOptions) -> Result<(ImageSize, f64), Problem> {
+    // What the file states goes before what the user says: one file may have samples of several
+    // cameras.
+    let sensor_mm = known.sensor_mm.or(options.sensor_width_mm);
+    match (known.size.or(options.size), sensor_mm) {
+        (Some(size), Some(sensor_mm)) => Ok((size, sensor_mm)),
+        (None, Some(_)) => Err(Problem::OptionNeeded {
+            what: "the size of the pictures (static.camera.activeSensorResolution)".to_owned(),
+            option: "--size WIDTHxHEIGHT",
+        }),
+        (Some(_), None) => Err(Problem::OptionNeeded {
+            what: "the width of the sensor (static.camera.activeSensorPhysicalDimensions)"
+                .to_owned(),
+            option: "--sensor-mm",
+        }),
+        (None, None) => Err(Problem::OptionNeeded {
+            what:
+                "the camera (static.camera: activeSensorResolution, activeSensorPhysicalDimensions)"
+                    .to_owned(),
+            option: "--size WIDTHxHEIGHT and --sensor-mm",
+        }),
+    }
+}
+
+/// Reads a sample. `known` is what samples before it stated, and is brought up to date.
+pub(super) fn read_sample(
+    root: &Node<'_>,
     known: &mut Static,
     options: &ImportOptions,
     index: usize,
 ) -> Result<FrameCamera, Problem> {
-    let value = parse(line.as_bytes())?;
-    let root = Node::root(&value);
-    known.update(&root)?;
-    // What the file states goes before what the user says: one file may have samples of several
-    // cameras.
-    let size = known.size.or(options.size);
-    let size =
-        size.ok_or_else(|| Problem::Missing("static.camera.activeSensorResolution".to_owned()))?;
-    let sensor_mm = known.sensor_mm.or(options.sensor_width_mm);
-    let sensor_mm = sensor_mm.ok_or_else(|| {
-        Problem::Missing("static.camera.activeSensorPhysicalDimensions".to_owned())
-    })?;
+    known.update(root)?;
+    let (size, sensor_mm) = sensor_of(known, options)?;
     let mm_per_px = sensor_mm / f64::from(size.width);
     let lens = root.key("lens")?;
     let focal_mm = lens.key("pinholeFocalLength")?.positive()?;
-    let (body, place) = pose(&root)?;
+    let (body, place) = pose(root)?;
     let forward = lens
         .find("entrancePupilOffset")
         .map(|node| node.number())
@@ -220,27 +286,48 @@ pub(super) fn read_line(
             principal_point.y + y / mm_per_px,
         );
     }
+    // A squeezed picture has a shorter focal length across. The sensor's height does not count: it is
+    // often that of the whole chip, of which the picture is a part.
+    let across = focal_mm / mm_per_px / known.squeeze;
+    let square = Calibration {
+        fx: across,
+        fy: focal_mm / mm_per_px,
+        skew: 0.0,
+        principal_point,
+    };
+    let square = square.with_square_pixels(size)?;
+    let screen = Screen {
+        size,
+        principal_point,
+        mm_per_px,
+        focal_mm,
+    };
+    let (radial, off_px) = radial(&lens, &screen)?;
     let pinhole = Pinhole {
         // From the body's axes to the camera's. The entrance pupil, which is the centre of
         // projection, lies ahead of the tracked point along the body's y axis.
         cam_from_world: cam_from_world([0.0; 3]) * body.transpose(),
         position_m: place + body * Vec3::new(0.0, forward, 0.0),
-        focal_px: focal_mm / mm_per_px,
-        principal_point,
-        lens: radial(&lens, focal_mm)?,
+        focal_px: square.focal_px,
+        principal_point: square.principal_point,
+        lens: radial,
     };
+    let shown = FrameProjection::Camera(pinhole.validate("the camera")?);
+    Ok(FrameCamera {
+        off_px: off_px + square.off_px,
+        ..FrameCamera::new(&name_of_sample(root, index)?, Some(size), shown)
+    })
+}
+
+/// The name of a sample: that of our own notes, else its number, else its place.
+pub(super) fn name_of_sample(root: &Node<'_>, index: usize) -> Result<String, Problem> {
+    if let Some(name) = name_in_sample(root) {
+        return Ok(base_name(name).to_owned());
+    }
     let timing = root.find("timing");
-    let number = timing
-        .and_then(|timing| timing.find("sequenceNumber"))
-        .map(|node| node.number())
-        .transpose()?;
-    let name = name_in_sample(&root).map_or_else(
-        || number.map_or_else(|| format!("{index:06}"), |number| format!("{number:06}")),
-        |name| base_name(name).to_owned(),
-    );
-    Ok(FrameCamera::new(
-        &name,
-        Some(size),
-        FrameProjection::Camera(pinhole.validate("the camera")?),
-    ))
+    let number = timing.and_then(|timing| timing.find("sequenceNumber"));
+    Ok(match number {
+        Some(number) => format!("{:06}", number.number()?),
+        None => format!("{index:06}"),
+    })
 }

@@ -264,6 +264,7 @@ impl Attachment {
             folder: self.video.folder.clone(),
             format: imported.format,
             notes,
+            failures: imported.failures.clone(),
         }
     }
 

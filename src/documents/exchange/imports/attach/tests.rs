@@ -101,6 +101,7 @@ fn imported_frames(names: &[String]) -> Imported {
         folder: "/cameras".into(),
         format: Format::SoccerNet,
         notes: Vec::new(),
+        failures: Vec::new(),
     }
 }
 

@@ -1,0 +1,160 @@
+//! A plain table with a point a row: `frame,label,x,y`. Import only.
+//!
+//! What scripts, spreadsheets and digitizing programs write. Pixels count from the picture's corner
+//! unless `--pixels` says otherwise; `width` and `height` may state the picture's size.
+
+use super::clicked_frame::{
+    ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, picture_path, size_or_option,
+};
+use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::files::Files;
+use crate::exchange::format::About;
+use crate::exchange::format_options;
+use crate::exchange::options::Pixels;
+use crate::exchange::syntax::table::{Table, TableRow};
+use crate::exchange::syntax::values::side_px;
+use std::collections::BTreeMap;
+use touchline_core::geometry::{ImagePoint, ImageSize};
+
+/// The format.
+pub struct PointsTable;
+
+/// The columns that a table of points has.
+pub const COLUMNS: [&str; 4] = ["frame", "label", "x", "y"];
+
+/// The size that a row states.
+fn size_of(row: &TableRow<'_>) -> Result<Option<ImageSize>, Problem> {
+    let Some((width, height)) = row.find("width")?.zip(row.find("height")?) else {
+        return Ok(None);
+    };
+    let size = side_px("width", width).and_then(|width| Ok((width, side_px("height", height)?)));
+    let (width, height) = size.map_err(|problem| problem.at_line(row.line()))?;
+    Ok(Some(ImageSize::new(width, height)))
+}
+
+/// The point of a row.
+fn mark_of(row: &TableRow<'_>, shift_px: f64) -> Result<Mark, Problem> {
+    let label = row.text("label").ok_or_else(|| row.missing("label"))?;
+    Ok(Mark {
+        label: label.to_owned(),
+        image: ImagePoint::new(row.number("x")? + shift_px, row.number("y")? + shift_px),
+    })
+}
+
+fn read_table(
+    (file, bytes): (&str, &[u8]),
+    reading: &LabelReading<'_>,
+    unread: &mut UnreadLabels,
+) -> Result<Vec<LabelledFrame>, Problem> {
+    let table = Table::read(bytes)?;
+    table.needs(&COLUMNS)?;
+    let pixels = reading.options.pixels.unwrap_or(Pixels::Corner);
+    let mut frames: Vec<LabelledFrame> = Vec::new();
+    let mut at: BTreeMap<String, usize> = BTreeMap::new();
+    for row in table.rows() {
+        let name = row.text("frame").ok_or_else(|| row.missing("frame"))?;
+        let name = picture_path(name, reading.options)?;
+        let index = match at.get(&name) {
+            Some(index) => *index,
+            None => {
+                let own = size_of(&row)?.or_else(|| (reading.sizes)(&name));
+                at.insert(name.clone(), frames.len());
+                frames.push(LabelledFrame {
+                    size: size_or_option(&name, own, reading.options)?,
+                    image: Some(name.clone()),
+                    name,
+                    marks: Vec::new(),
+                });
+                frames.len() - 1
+            }
+        };
+        let read = mark_of(&row, pixels.to_corner_px());
+        let frame = &mut frames[index];
+        let mark = unread.keep(file, Some(&frame.name), read);
+        frame.marks.extend(mark);
+    }
+    Ok(frames)
+}
+
+impl ClickFormat for PointsTable {
+    fn about(&self) -> About {
+        About {
+            name: "points",
+            title: "a table of points: frame, label, x, y",
+            conventions: "pixels from the corner",
+            users: "scripts, spreadsheets, digitizing programs",
+            loses: None,
+            file: Some("points.csv"),
+            files: "table (.csv)",
+            endings: &["csv"],
+            export_options: &[],
+            import_options: format_options::LABELS_IN,
+        }
+    }
+
+    fn read(
+        &self,
+        files: &Files,
+        reading: &LabelReading<'_>,
+        unread: &mut UnreadLabels,
+    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+        files.read_all(|file, bytes| read_table((file, bytes), reading, unread))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::clicked_frame::{read_alone, read_labels};
+    use super::*;
+    use crate::exchange::options::ImportOptions;
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    fn files(text: &str) -> Files {
+        Files::one("a.csv", text.as_bytes().to_vec())
+    }
+
+    #[test]
+    fn rows_of_a_frame_are_its_points() {
+        let text = "frame,label,x,y\na.jpg,centre_mark,640.5,360\nb.jpg,halfway_line,1,2\na.jpg,halfway_line,3,4\n";
+        let options = ImportOptions {
+            pixels: Some(Pixels::Centre),
+            ..ImportOptions::default()
+        };
+        let frames = read_alone(&PointsTable, &files(text), &options, Some(SIZE)).unwrap();
+        assert_eq!(frames.len(), 2);
+        assert_eq!((frames[0].name.as_str(), frames[0].size), ("a.jpg", SIZE));
+        assert_eq!(frames[0].marks[0].image, ImagePoint::new(641.0, 360.5));
+        assert_eq!(frames[0].marks[1].label, "halfway_line");
+    }
+
+    #[test]
+    fn a_table_may_state_sizes_and_says_what_it_lacks() {
+        let text = "frame,label,x,y,width,height\n7,centre_mark,1,2,1280,720\n7,centre_mark,many,2,1280,720\n";
+        let reading = LabelReading {
+            options: &ImportOptions::default(),
+            sizes: &|_| None,
+        };
+        let (frames, unread) = read_labels(&PointsTable, &files(text), &reading).unwrap();
+        assert_eq!((frames[0].size, frames[0].marks.len()), (SIZE, 1));
+        let said = unread.describe(1).unwrap();
+        assert!(
+            said.ends_with("7 (line 3: x: a number is expected, found \"many\")"),
+            "{said}"
+        );
+        for (text, wanted) in [
+            (
+                "frame,label,x,y\na,b,1,2\n",
+                "a.csv: the size of \"a\" is not known; give --size WIDTHxHEIGHT or --images \
+                 FOLDER",
+            ),
+            (
+                "frame,name,x,y\na,b,1,2\n",
+                "a.csv: the column label is missing",
+            ),
+        ] {
+            let error = read_alone(&PointsTable, &files(text), &ImportOptions::default(), None);
+            assert_eq!(error.unwrap_err().to_string(), wanted);
+        }
+    }
+}
