@@ -90,8 +90,8 @@ mod tests {
         assert_eq!(centre.named_behind_an_end(&tennis), None);
         for landmark in &tennis.landmarks {
             let element = tennis.landmark_element(landmark.id.as_str()).unwrap();
-            let turns = (0..4).fold(element, |at, _| at.named_behind_an_end(&tennis));
-            assert_eq!(turns, element, "four quarters are a whole turn");
+            let back = (0..4).fold(element, |at, _| at.named_behind_an_end(&tennis));
+            assert_eq!(back, element, "four quarters are a whole turn");
         }
     }
 }

@@ -542,7 +542,7 @@ fn an_option_without_effect_is_refused_with_the_formats_that_take_it() {
     );
     touchline(folder.path(), "export doc.json --format csv -o cameras.csv");
     refused(
-        "import cameras.csv --annotator anna -o a.json",
+        "import cameras.csv --format csv --annotator anna -o a.json",
         "--annotator has no effect on csv; it is for label-studio",
     );
     let help = touchline(folder.path(), "import --help").stdout;
