@@ -2,7 +2,7 @@
 //!
 //! Two landmarks of the ground determine the poses in place of the search, or confirm what the
 //! search finds. If two did not suffice, four in one frame determine the base without the paint; a
-//! frame that has four already is not asked for again.
+//! frame that has four already is not named again.
 //! The frame is the one whose paint fills the largest part of its picture, because it most likely
 //! shows landmarks far apart; where there is a best answer, of the frames that do not agree with
 //! it, because a click there says most. With that answer two landmarks can be named as well.

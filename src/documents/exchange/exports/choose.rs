@@ -10,7 +10,7 @@ use touchline_core::geometry::{ImageSize, pluralise};
 /// Why a frame without a camera is left out.
 pub const NOT_SOLVED: &str = "it is not solved";
 
-/// Why a frame is left out whose picture cannot be rescaled to the size that was asked for.
+/// Why a frame is left out whose picture cannot be rescaled to the wanted size.
 pub fn other_proportions(of: ImageSize) -> String {
     format!(
         "its picture of {} × {} px has other proportions",

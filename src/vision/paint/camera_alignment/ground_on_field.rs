@@ -146,8 +146,8 @@ mod tests {
 
         let beside = tennis_camera(0.25, -13.2, 2010.0);
         let (base, start) = (beside.base(), beside.ptz());
-        let snapped = snap(&ground, &field, base, start, &[], &SnapOptions::default()).unwrap();
-        let pan_deg = snapped.ptz.pan.degrees();
+        let aligned = snap(&ground, &field, base, start, &[], &SnapOptions::default()).unwrap();
+        let pan_deg = aligned.ptz.pan.degrees();
         assert!(pan_deg.abs() < 0.01, "{pan_deg}°");
 
         let wrong = check_lines(&ground, &field, &tennis_camera(2.0, -13.0, 2000.0));
