@@ -10,16 +10,12 @@
 mod bad_videos;
 mod cameras_of_videos;
 #[allow(dead_code, reason = "shared by several crates")]
-#[path = "../shared/files.rs"]
-mod files;
-#[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/headless.rs"]
 mod headless;
 mod media;
 mod motion_330;
 mod overlay_pixels;
 mod overlay_projection;
-#[path = "../shared/parts.rs"]
 mod parts;
 #[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/program.rs"]
@@ -36,8 +32,6 @@ mod real_video;
 mod real_wood;
 mod render_command;
 mod season_of_videos;
-#[path = "../shared/seeded.rs"]
-mod seeded;
 #[cfg(feature = "gui")]
 #[path = "../window/mod.rs"]
 mod window;
