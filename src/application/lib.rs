@@ -12,3 +12,6 @@ pub mod jobs;
 #[cfg(feature = "render")]
 pub mod render;
 pub mod scene;
+#[cfg(any(test, feature = "testing"))]
+#[doc(hidden)]
+pub mod testing;

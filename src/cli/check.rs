@@ -82,14 +82,14 @@ fn report(document: &Document, problems: &[Problem]) -> Value {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, Frame};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     #[test]
     fn thousands_of_frames_are_set_apart() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in 0..1000 {
             let image = format!("{index}.jpg");
-            let frame = Frame::from_image(&image, "main".into(), ImageSize::new(64, 48));
+            let frame = new_frame(&image, ImageSize::new(64, 48));
             document.frames.push(frame.into());
         }
         assert_eq!(

@@ -253,10 +253,10 @@ fn beside(output: &Path, number: usize) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, FieldSpec, Frame};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::geometry::Vec3;
+    use touchline_core::testing::SIZE;
+    use touchline_documents::document::Camera;
+    use touchline_documents::testing::{WithFrames, soccer_document};
 
     #[test]
     fn the_other_versions_lie_beside_the_result() {
@@ -272,14 +272,11 @@ mod tests {
 
     /// A version that has its own position of the camera and its own comment on a frame.
     fn version(x_m: f64, comment: &str) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         let mut camera = Camera::new("main".into(), SIZE);
         camera.position_m = Some(Vec3::new(x_m, -60.0, 18.0));
         document.cameras.push(camera.into());
-        for name in ["a.jpg", "b.jpg"] {
-            let frame = Frame::from_image(name, "main".into(), SIZE);
-            document.frames.push(frame.into());
-        }
+        document = document.with_pictures(["a.jpg", "b.jpg"], SIZE);
         document.frames[0].comment = Some(comment.to_owned());
         document
     }

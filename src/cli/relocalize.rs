@@ -380,6 +380,7 @@ fn write(
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     #[test]
     fn lines_of_frames_name_no_picture_that_cannot_be_found() {
@@ -389,8 +390,8 @@ mod tests {
             force: false,
         };
         let written = |image: &str| {
-            let mut document = Document::new(FieldSpec::new("soccer"));
-            let frame = Frame::from_image(image, "main".into(), ImageSize::new(64, 36));
+            let mut document = soccer_document();
+            let frame = new_frame(image, ImageSize::new(64, 36));
             document.frames.push(frame.into());
             let destination =
                 DocumentOutput::default().reserve("relocalize", &[], Messages::Text)?;

@@ -218,15 +218,10 @@ fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Fr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_documents::document::{CameraId, FieldSpec};
+    use touchline_documents::testing::{WithFrames, soccer_document};
 
     fn document(images: &[&str]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        for image in images {
-            let frame = Frame::from_image(image, CameraId::from("main"), ImageSize::new(64, 36));
-            document.frames.push(frame.into());
-        }
-        document
+        soccer_document().with_pictures(images, ImageSize::new(64, 36))
     }
 
     #[test]

@@ -21,3 +21,6 @@ pub mod markings;
 pub mod progress;
 pub mod score;
 pub mod solve;
+#[cfg(any(test, feature = "testing"))]
+#[doc(hidden)]
+pub mod testing;

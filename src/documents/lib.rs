@@ -10,3 +10,6 @@ pub mod exchange;
 #[doc(hidden)]
 pub mod report;
 pub mod store;
+#[cfg(any(test, feature = "testing"))]
+#[doc(hidden)]
+pub mod testing;

@@ -12,4 +12,7 @@ pub mod media;
 pub mod paint;
 pub mod relocalize;
 pub mod synthetic;
+#[cfg(any(test, feature = "testing"))]
+#[doc(hidden)]
+pub mod testing;
 pub mod track;

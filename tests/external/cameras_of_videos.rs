@@ -5,12 +5,11 @@ use crate::program::touchline;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use touchline::camera::{BaseAngles, CameraBase, Ptz};
-use touchline::document::{
-    Camera, Document, FieldSpec, Frame, FramePtz, VideoFrame, document_to_string,
-};
-use touchline::geometry::{ImageSize, Vec3};
+use touchline::document::{Document, Frame};
+use touchline::geometry::ImageSize;
 use touchline::store::read;
+use touchline_core::testing::base_at;
+use touchline_documents::testing::{WithFrames, match_from, new_video_frame, ptz_at, save};
 
 pub const TESTS: &[Test] = tests![
     [Ffmpeg] cameras_of_every_format_come_to_their_frames_of_a_video;
@@ -33,26 +32,13 @@ fn make_video(folder: &Path) {
 
 /// All frames of the video with cameras, as `solved.json`.
 fn write_solved(folder: &Path) -> Document {
-    let base = CameraBase::new(
-        Vec3::new(1.0, -58.0, 16.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    );
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base);
-    document.cameras.push(camera.into());
-    for index in 0..FRAMES {
-        let video = VideoFrame::new("match.mp4", index, Some(index as f64 / 25.0));
-        let ptz = Ptz::from_degrees(4.0 * index as f64 - 22.0, -11.0, 1300.0);
-        let frame = Frame {
-            ptz: Some(FramePtz::new(ptz, None)),
-            ..Frame::from_video(video, "main".into(), SIZE)
-        };
-        document.frames.push(frame.into());
-    }
-    let text = document_to_string(&document).unwrap();
-    fs::write(folder.join("solved.json"), text).unwrap();
+    let frames = (0..FRAMES).map(|index| Frame {
+        ptz: ptz_at(4.0 * index as f64 - 22.0, -11.0, 1300.0),
+        ..new_video_frame("match.mp4", index, SIZE)
+    });
+    let base = base_at([1.0, -58.0, 16.0], SIZE);
+    let document = match_from(&base, SIZE).with_frames(frames);
+    save(folder.join("solved.json"), &document);
     document
 }
 
@@ -129,8 +115,7 @@ fn cameras_of_another_video_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     make_video(folder.path());
     write_solved(folder.path());
-    let ran = touchline(folder.path(), "export solved.json --format opencv -o few");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    touchline(folder.path(), "export solved.json --format opencv -o few").done();
     let good = fs::read(folder.path().join("few/match_000000.yml")).unwrap();
     fs::create_dir(folder.path().join("many")).unwrap();
     for number in 0..40 {
@@ -140,18 +125,8 @@ fn cameras_of_another_video_are_refused_in_one_line() {
         folder.path(),
         "import many --format opencv --video match.mp4 -o out.json",
     );
-    assert_eq!(
-        (ran.code, ran.stderr.lines().count()),
-        (2, 1),
-        "{}",
-        ran.stderr
-    );
-    assert!(
-        ran.stderr
-            .contains("the numbers 0 to 39 of 40 cameras do not fit its 12 frames"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_refused(2);
+    ran.assert_says("the numbers 0 to 39 of 40 cameras do not fit its 12 frames");
     assert!(!folder.path().join("out.json").exists());
     let ran = touchline(
         folder.path(),

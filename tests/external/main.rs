@@ -10,9 +10,6 @@
 mod bad_videos;
 mod cameras_of_videos;
 #[allow(dead_code, reason = "shared by several crates")]
-#[path = "../shared/files.rs"]
-mod files;
-#[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/headless.rs"]
 mod headless;
 mod media;
@@ -20,7 +17,6 @@ mod motion_330;
 mod originals;
 mod overlay_pixels;
 mod overlay_projection;
-#[path = "../shared/parts.rs"]
 mod parts;
 #[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/program.rs"]
@@ -37,8 +33,6 @@ mod real_video;
 mod real_wood;
 mod render_command;
 mod season_of_videos;
-#[path = "../shared/seeded.rs"]
-mod seeded;
 #[cfg(feature = "gui")]
 #[path = "../window/mod.rs"]
 mod window;

@@ -2,7 +2,6 @@
 //! frame from two clicks.
 
 use crate::parts::{Test, frames_folder, tests};
-use crate::seeded::{self, normal};
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
 use touchline::camera::{CameraBase, Ptz, PtzCamera};
@@ -11,6 +10,7 @@ use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use touchline::progress::Progress;
 use touchline::solve::base::{BaseOptions, CameraClicks, FrameClicks, estimate_base};
 use touchline::solve::{Observation, SolveContext, solve_frame};
+use touchline_core::testing::seeded::{self, normal};
 
 pub const TESTS: &[Test] = tests![
     [Frames] ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion;

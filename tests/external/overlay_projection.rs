@@ -4,13 +4,14 @@
 use crate::parts::{Test, tests};
 use image::RgbaImage;
 use std::collections::BTreeMap;
-use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline::camera::{CameraBase, FocalCurve};
 use touchline::field::{Curve, FieldModel, builtin};
-use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+use touchline::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline::render::{Layer, View};
 use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::Colour;
 use touchline::scene::overlay::{OverlayScene, field_overlay};
+use touchline_core::testing::{TestBase, base_at};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] the_rendered_lines_lie_where_the_formulas_put_them;
@@ -166,17 +167,9 @@ fn the_rendered_lines_lie_where_the_formulas_put_them() {
                 per_1000_px: 0.0,
                 ..FocalCurve::NONE
             },
-            ..CameraBase::new(
-                Vec3::from(POSITION),
-                BaseAngles {
-                    heading: Angle::ZERO,
-                    ..BaseAngles::default()
-                }
-                .base_from_world(),
-                ImagePoint::from(PRINCIPAL),
-            )
+            ..base_at(POSITION, ImagePoint::from(PRINCIPAL))
         };
-        let camera = PtzCamera::new(base, Ptz::from_degrees(pan, tilt, focal));
+        let camera = base.aim(pan, tilt, focal);
         let (mut checked, mut worst) = (0, 0.0_f64);
         for line in &field.lines {
             let alone = FieldModel {

@@ -12,7 +12,6 @@ use touchline::camera::{CameraBase, PtzCamera};
 use touchline::document::Document;
 use touchline::field::FieldModel;
 use touchline::field::Symmetry;
-use touchline::geometry::ImageSize;
 use touchline::progress::Progress;
 use touchline::solve::base::{
     BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base,
@@ -20,6 +19,7 @@ use touchline::solve::base::{
 use touchline::solve::{
     ClickResidual, Evidence, IdentityKind, Observation, SolveContext, check_identity, solve_frame,
 };
+use touchline_core::testing::SIZE;
 
 pub const TESTS: &[Test] = tests![
     [Frames] the_base_comes_from_clicks_alone;
@@ -28,7 +28,6 @@ pub const TESTS: &[Test] = tests![
     [Frames] two_names_exchanged_are_named_as_a_swap;
 ];
 
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const SETS: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];
 
 struct Match {

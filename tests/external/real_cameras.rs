@@ -5,9 +5,10 @@ use std::path::Path;
 use touchline::calibrate::{
     BaseProblem, FrameLookup, better_camera, calibrate, camera_change, solve_document,
 };
-use touchline::document::{CameraId, Document, FieldSpec, Fields};
+use touchline::document::{CameraId, Document, Fields};
 use touchline::progress::Progress;
 use touchline::solve::base::BaseOptions;
+use touchline_documents::testing::soccer_document;
 
 pub const TESTS: &[Test] = tests![
     [Frames] real_matches_are_told_apart_and_give_no_false_alarm;
@@ -31,7 +32,7 @@ fn real(set: &str) -> Document {
 
 /// Three matches in one document, each with its camera and field.
 fn three_matches() -> Document {
-    let mut all = Document::new(FieldSpec::new("soccer"));
+    let mut all = soccer_document();
     for set in SETS {
         let document = real(set);
         let mut camera = (*document.cameras[0]).clone();

@@ -4,9 +4,9 @@ use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
 use std::collections::BTreeMap;
 use touchline::document::{Click, Document, document_from_bytes, document_to_string};
-use touchline::field::{FieldModel, builtin};
 use touchline::geometry::Vec3;
 use touchline::store::read;
+use touchline_core::testing::soccer;
 
 pub const TESTS: &[Test] = tests![
     [Frames] real_documents_survive_the_round_trip;
@@ -14,10 +14,6 @@ pub const TESTS: &[Test] = tests![
     [Frames] wrong_names_among_real_clicks_are_marked;
     [Frames] real_clicks_give_a_real_camera;
 ];
-
-fn field() -> FieldModel {
-    builtin("soccer").unwrap().default_model().unwrap()
-}
 
 fn real_documents_survive_the_round_trip() {
     let data = frames_folder();
@@ -38,7 +34,7 @@ fn real_documents_survive_the_round_trip() {
 /// Residuals of the clicks on each landmark along one axis, in the template's sigmas; far-off
 /// clicks left out.
 fn residuals_by_landmark(document: &Document, axis: usize) -> BTreeMap<String, Vec<f64>> {
-    let field = field();
+    let field = soccer();
     let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for frame in document
         .frames
@@ -115,11 +111,11 @@ fn wrong_names_among_real_clicks_are_marked() {
         .join("scouting-42ba34/clicks.json")
         .canonicalize()
         .unwrap();
-    let ran = touchline(
+    touchline(
         folder.path(),
         &format!("refine-base {} -o out.json", clicks.display()),
-    );
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    )
+    .done();
     let (_, refined, _) = read(&folder.path().join("out.json")).unwrap();
     let published = read(&data.join("scouting-42ba34/fit-k1.json")).unwrap().1;
     let mut warned = 0;
@@ -177,11 +173,11 @@ fn real_clicks_give_a_real_camera() {
         .join("scouting-d82e7a/clicks.json")
         .canonicalize()
         .unwrap();
-    let ran = touchline(
+    touchline(
         folder.path(),
         &format!("refine-base {} -o out.json", clicks.display()),
-    );
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    )
+    .done();
     let (_, refined, _) = read(&folder.path().join("out.json")).unwrap();
     assert!(refined.frames.iter().all(|frame| frame.ptz.is_some()));
     assert!((refined.cameras[0].position_m.unwrap() - Vec3::new(2.9, -65.0, 20.4)).norm() < 0.6);

@@ -2,9 +2,7 @@
 
 use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
-use std::fs;
 use touchline::camera::{Ptz, PtzCamera};
-use touchline::document::document_from_bytes;
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
 use touchline::markings::LineVerdict;
@@ -12,6 +10,7 @@ use touchline::media::load_image;
 use touchline::paint::{
     GroundPicture, PointSnapOptions, SnapOptions, check_lines, snap, snap_point,
 };
+use touchline_documents::testing::load;
 
 pub const TESTS: &[Test] = tests![
     [Frames] the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back;
@@ -54,12 +53,12 @@ pub fn turn_view(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> Pt
 fn the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back() {
     let place = tempfile::tempdir().unwrap();
     let clicks = frames_folder().join("scouting-d82e7a/clicks.json");
-    let ran = touchline(
+    touchline(
         place.path(),
         &format!("refine-base {} -o base.json", clicks.display()),
-    );
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    let document = document_from_bytes(&fs::read(place.path().join("base.json")).unwrap()).unwrap();
+    )
+    .done();
+    let document = load(place.path().join("base.json"));
     let field = document.field.model(place.path()).unwrap();
     let (mut right, mut wrong, mut back) = (0, 0, 0);
     let frames: Vec<_> = document.frames.iter().step_by(4).collect();
@@ -117,8 +116,7 @@ fn points_go_to_painted_spots() {
             &format!("refine-base {} --markings -o base.json", from.display()),
         );
         assert!(ran.code <= 1, "{}", ran.stderr);
-        let document =
-            document_from_bytes(&fs::read(place.path().join("base.json")).unwrap()).unwrap();
+        let document = load(place.path().join("base.json"));
         let field = document.field.model(place.path()).unwrap();
         for frame in &document.frames {
             let (Some(camera), Some(image)) =

@@ -3,16 +3,14 @@
 use crate::parts::{Test, frames_folder, tests};
 use std::path::Path;
 use touchline::field::FieldElement;
-use touchline::geometry::ImageSize;
 use touchline::progress::Progress;
 use touchline::solve::Observation;
 use touchline::solve::base::{BaseOptions, CameraClicks, FrameClicks, estimate_base};
+use touchline_core::testing::SIZE;
 
 pub const TESTS: &[Test] = tests![
     [Frames] real_bases_from_halves_agree_within_what_they_state;
 ];
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 /// Real cameras: the stated sigma against what a base from half of the landmarks, or of the frames,
 /// says otherwise.

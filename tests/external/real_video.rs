@@ -9,15 +9,14 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 use touchline::app::{TrainerActivity, TrainerOrder, TrainerReport, TrainerStatus};
 use touchline::calibrate::{Problem, check_pictures};
-use touchline::camera::{CameraBase, FocalCurve, Ptz};
-use touchline::document::{
-    Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, SolutionSource, document_to_string,
-};
+use touchline::camera::{CameraBase, FocalCurve};
+use touchline::document::{Camera, Document, Frame, FrameStatus, SolutionSource};
 use touchline::geometry::rotation::nearest_rotation;
 use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use touchline::jobs::{SharedPictures, Trainer, TrainerOptions};
 use touchline::progress::Progress;
 use touchline::store::read;
+use touchline_documents::testing::{ptz_at, save, soccer_document};
 
 pub const TESTS: &[Test] = tests![
     [Frames] new_takes_the_frames_of_a_video_that_decode;
@@ -35,12 +34,7 @@ fn new_takes_the_frames_of_a_video_that_decode() {
         &format!("new match --frames {} --field soccer", video.display()),
     );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(
-        ran.stderr
-            .contains("match.mp4 states 825 frames, 817 decode."),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("match.mp4 states 825 frames, 817 decode.");
     let (location, document, _) = read(&folder.path().join("match")).unwrap();
     assert_eq!(document.frames.len(), 817);
     let last = document.frames[816].video.as_ref().unwrap();
@@ -54,7 +48,7 @@ fn new_takes_the_frames_of_a_video_that_decode() {
 
 fn check_compares_frame_numbers_and_times_of_a_video() {
     let data = frames_folder();
-    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut document = soccer_document();
     let frame = |index, pts_s| {
         let video = touchline::document::VideoFrame::new("match.mp4", index, pts_s);
         Frame::from_video(video, "main".into(), ImageSize::new(1280, 720)).into()
@@ -83,7 +77,7 @@ fn check_compares_frame_numbers_and_times_of_a_video() {
 /// them.
 fn two_references(frames: u64) -> Document {
     let size = ImageSize::new(1280, 720);
-    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut document = soccer_document();
     let mut main = Camera::new("main".into(), size);
     let rows = [
         [1.0, 0.0, 0.00142],
@@ -114,10 +108,7 @@ fn two_references(frames: u64) -> Document {
         (60, 7.79803, -11.35380, 2627.479),
     ] {
         document.frames[index].status = FrameStatus::Reference;
-        document.frames[index].ptz = Some(FramePtz::new(
-            Ptz::from_degrees(pan_deg, tilt_deg, focal_px),
-            None,
-        ));
+        document.frames[index].ptz = ptz_at(pan_deg, tilt_deg, focal_px);
     }
     document
 }
@@ -195,11 +186,7 @@ fn key_frames_are_answered_and_the_frames_between_carried_from_the_command_line(
         .canonicalize()
         .unwrap();
     std::os::unix::fs::symlink(video, folder.path().join("match.mp4")).unwrap();
-    std::fs::write(
-        folder.path().join("match.json"),
-        document_to_string(&two_references(61)).unwrap(),
-    )
-    .unwrap();
+    save(folder.path().join("match.json"), &two_references(61));
     for command in [
         "train match.json -o match.tlf",
         "relocalize match.tlf match.json -o keys.json --key-frames",

@@ -7,10 +7,11 @@ use crate::real_paint::{apart_px, turn_view};
 use std::fs;
 use std::path::Path;
 use touchline::camera::PtzCamera;
-use touchline::document::{Document, document_from_bytes};
+use touchline::document::Document;
 use touchline::markings::LineVerdict;
 use touchline::paint::{GroundPicture, SnapOptions, check_lines, snap};
 use touchline::proposals::PictureStream;
+use touchline_documents::testing::load;
 
 pub const TESTS: &[Test] = tests![
     [Frames] right_cameras_are_told_from_wrong_ones_and_snapping_comes_back_on_wood;
@@ -25,9 +26,8 @@ fn clicked_court(place: &Path) -> Document {
         text.replace("video-basketball/clip.mp4", &video.to_string_lossy()),
     )
     .unwrap();
-    let ran = touchline(place, "refine-base clicks.json --markings -o base.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    document_from_bytes(&fs::read(place.join("base.json")).unwrap()).unwrap()
+    touchline(place, "refine-base clicks.json --markings -o base.json").done();
+    load(place.join("base.json"))
 }
 
 fn right_cameras_are_told_from_wrong_ones_and_snapping_comes_back_on_wood() {

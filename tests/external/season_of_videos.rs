@@ -2,13 +2,14 @@
 #![cfg(feature = "opencv")]
 
 use crate::parts::{Test, tests};
-use crate::program::{document, touchline, write};
+use crate::program::touchline;
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::process::Command;
 use std::time::{Duration, SystemTime};
 use touchline::document::{Frame, FrameStatus, VideoFrame};
 use touchline::season::plan::Plan;
+use touchline_documents::testing::{load, save};
 
 pub const TESTS: &[Test] = tests![
     [Ffmpeg] windows_of_a_video_are_labelled_apart_and_join_in_its_project;
@@ -18,8 +19,7 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
     let place = tempfile::tempdir().unwrap();
     let path = |name: &str| place.path().join(name);
     let run = |arguments: &str| touchline(place.path(), arguments);
-    let drawn = run("synth -o drawn --frames 16 --step 0.04 --seed 4 --size 640x360 --preset easy");
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    run("synth -o drawn --frames 16 --step 0.04 --seed 4 --size 640x360 --preset easy").done();
     let encoded = Command::new("ffmpeg")
         .args("-v error -framerate 10 -i drawn/images/%04d.jpg -c:v libx264".split(' '))
         .args("-pix_fmt yuv420p -crf 12 match.mp4".split(' '))
@@ -32,7 +32,7 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
         .unwrap();
 
     // A person has labelled every fifth frame; the document names no other.
-    let truth = document(&path("drawn/truth.json"));
+    let truth = load(path("drawn/truth.json"));
     let mut known = truth.clone();
     for (index, frame) in known.frames.iter_mut().enumerate() {
         let frame: &mut Frame = frame;
@@ -46,12 +46,11 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
         index += 1;
         (index - 1) % 5 == 0
     });
-    write(&path("known.json"), &known);
+    save(path("known.json"), &known);
     let season = "[options]\nwindow_s = 1\n[[match]]\nvideo = 'match.mp4'\nproject = 'known.json'";
     fs::write(path("season.toml"), season).unwrap();
 
-    let planned = run("plan season.toml -o plan.json");
-    assert_eq!(planned.code, 0, "{}", planned.stderr);
+    run("plan season.toml -o plan.json").done();
     assert!(
         path("match.mp4.touchline-hash").exists(),
         "the hash is kept"
@@ -62,8 +61,7 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
     assert_eq!(ends, [(0, 9), (10, 15)]);
     for parts in ["parts", "again"] {
         for id in plan.shard_ids() {
-            let ran = run(&format!("shard plan.json {id} -o {parts}"));
-            assert_eq!(ran.code, 0, "{}", ran.stderr);
+            run(&format!("shard plan.json {id} -o {parts}")).done();
         }
     }
     for id in plan.shard_ids() {
@@ -72,9 +70,8 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
         assert!(one == other, "{id}");
     }
 
-    let collected = run("collect plan.json parts -o out");
-    assert_eq!(collected.code, 0, "{}", collected.stderr);
-    let project = document(&path("out/match/project.json"));
+    run("collect plan.json parts -o out").done();
+    let project = load(path("out/match/project.json"));
     assert_eq!(project.frames.len(), 16);
     for (number, (frame, exact)) in project.frames.iter().zip(&truth.frames).enumerate() {
         assert_eq!(frame.number_at(99), number as u64);
@@ -92,12 +89,11 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
     let refused = run(&format!("shard plan.json {} -o new", plan.matches[0].find));
     assert_eq!(refused.code, 2);
     let said = "match.mp4 changed after the plan was made";
-    assert!(refused.stderr.contains(said), "{}", refused.stderr);
+    refused.assert_says(said);
 
     // Planned again, it is another video than the one that was labelled.
     let before = fs::read(path("out/match/project.json")).unwrap();
-    let planned = run("plan season.toml -o plan.json --force");
-    assert_eq!(planned.code, 0, "{}", planned.stderr);
+    run("plan season.toml -o plan.json --force").done();
     let plan = Plan::read(&path("plan.json")).unwrap();
     for id in plan.shard_ids() {
         assert_eq!(run(&format!("shard plan.json {id} -o parts")).code, 0);
@@ -117,5 +113,5 @@ fn windows_of_a_video_are_labelled_apart_and_join_in_its_project() {
     let exported = run("export out/match --dataset set --status suggested --outside-pictures");
     assert_ne!(exported.code, 0);
     let said = "its video is not the one that was labelled";
-    assert!(exported.stderr.contains(said), "{}", exported.stderr);
+    exported.assert_says(said);
 }

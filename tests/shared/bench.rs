@@ -1,40 +1,9 @@
-//! An application with an opened document, driven by actions; what tests of the application share.
+//! An application with an opened document, driven by actions.
 
 use touchline_application::app::operation::{Failure, Job, Operation, Report};
 use touchline_application::app::{Action, App, Command, Effect, Opened, PointerAction, Settings};
-use touchline_core::camera::{BaseAngles, CameraBase, PtzCamera};
-use touchline_core::field::builtin;
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::Document;
-
-pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
-
-/// The document without the counts of its frames' edits: what undo brings back counts as another
-/// edit.
-pub fn without_counts(document: &Document) -> Document {
-    let mut document = document.clone();
-    document
-        .frames
-        .iter_mut()
-        .for_each(|frame| frame.revision = 0);
-    document
-}
-
-/// The base of the drawn truth.
-pub fn base() -> CameraBase {
-    CameraBase::new(
-        Vec3::new(1.0, -62.0, 17.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
-}
-
-/// Where a camera sees a landmark of the soccer field.
-pub fn landmark_in(camera: &PtzCamera, landmark: &str) -> ImagePoint {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-    camera.image_from_world(world).unwrap()
-}
 
 /// The application and every effect since the document was opened.
 pub struct Bench {
@@ -91,6 +60,13 @@ impl Bench {
     pub fn report_end<O: Operation>(&mut self, result: Result<O::Output, Failure<O::Error>>) {
         let id = self.last_job::<O>().id();
         self.act(Action::Report(Report::from_result::<O>(id, result)));
+    }
+
+    /// The last message has this.
+    #[track_caller]
+    pub fn assert_notice(&self, part: &str) {
+        let notice = self.last_notice();
+        assert!(notice.contains(part), "no {part:?}: {notice}");
     }
 
     pub fn last_notice(&self) -> &str {

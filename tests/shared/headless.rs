@@ -1,11 +1,24 @@
 //! An application and what carries its effects out: what a window is without its pixels.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
+use tempfile::TempDir;
+use touchline_application::app::session::Saving;
 use touchline_application::app::{Action, App, Question, Settings};
 use touchline_application::jobs::{PictureState, Pictures, Request, Runner, Wake};
+use touchline_documents::document::Document;
+use touchline_documents::store::{Location, Store};
+
+/// A project with this document in the folder `match` of a temporary one.
+pub fn project_of(document: &Document) -> (TempDir, PathBuf) {
+    let root = tempfile::tempdir().unwrap();
+    let path = root.path().join("match");
+    let location = Location::for_new_document(&path.join("")).unwrap();
+    drop(Store::create(&location, document).unwrap());
+    (root, path)
+}
 
 /// An application and what carries its effects out, as a window would have them.
 pub struct Headless {
@@ -64,6 +77,21 @@ impl Headless {
                 state => return state,
             }
         }
+    }
+
+    /// Takes reports in until everything is on disk.
+    pub fn wait_until_saved(&mut self) {
+        self.wait_until("saving", |app| {
+            matches!(app.session.disk.saving, Saving::Saved { .. })
+        });
+    }
+
+    /// Takes reports in until a message has this.
+    pub fn wait_for_notice(&mut self, what: &str, part: &str) {
+        self.wait_until(what, |app| {
+            let notices = &app.session.messages.notices;
+            notices.iter().any(|notice| notice.text.contains(part))
+        });
     }
 
     /// Takes reports in until something holds.

@@ -1,9 +1,7 @@
-//! Running the program as a script would, and the documents that it reads and writes.
+//! Running the program as a script would.
 
-use std::fs;
 use std::path::Path;
 use std::process::Command;
-use touchline::document::{Document, document_from_bytes, document_to_string};
 
 /// What a run of the program left.
 pub struct Ran {
@@ -30,12 +28,30 @@ pub fn touchline(folder: &Path, arguments: &str) -> Ran {
     }
 }
 
-/// A document of a file.
-pub fn document(path: &Path) -> Document {
-    document_from_bytes(&fs::read(path).unwrap()).unwrap()
-}
+impl Ran {
+    /// The same, after it ended well.
+    #[track_caller]
+    pub fn done(self) -> Self {
+        assert_eq!(self.code, 0, "{}", self.stderr);
+        self
+    }
 
-/// Writes a document into a file.
-pub fn write(path: &Path, document: &Document) {
-    fs::write(path, document_to_string(document).unwrap()).unwrap();
+    /// It ended with this code and one line that says why.
+    #[track_caller]
+    pub fn assert_refused(&self, code: i32) {
+        let lines = self.stderr.trim_end().lines().count();
+        assert_eq!((self.code, lines), (code, 1), "{}", self.stderr);
+    }
+
+    /// Standard error has this.
+    #[track_caller]
+    pub fn assert_says(&self, part: &str) {
+        assert!(self.stderr.contains(part), "no {part:?}: {}", self.stderr);
+    }
+
+    /// Standard output has this.
+    #[track_caller]
+    pub fn assert_prints(&self, part: &str) {
+        assert!(self.stdout.contains(part), "no {part:?}: {}", self.stdout);
+    }
 }

@@ -2,53 +2,39 @@
 //! simulated one.
 
 use crate::program::touchline;
-use crate::seeded::{normal, rng};
 use rand_pcg::Pcg64Mcg;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline::calibrate::{ENOUGH_REPEATS, FrameLookup, OwnNoise, calibrate, check_values};
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::camera::{CameraBase, Ptz, PtzCamera};
 use touchline::document::{
-    Camera, Click, Document, FieldSpec, Fields, Frame, FramePtz, FrameStatus, Repeat,
-    StoredClickNoise, document_from_bytes, document_to_string,
+    Click, Document, Fields, FramePtz, FrameStatus, Repeat, StoredClickNoise, document_from_bytes,
+    document_to_string,
 };
 use touchline::evaluate::{Agreement, agreement};
-use touchline::field::{FieldModel, builtin};
-use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+use touchline::geometry::{ImagePoint, ImageSize};
 use touchline::markings::project_landmarks;
 use touchline::store::{Location, write_document};
+use touchline_core::testing::seeded::{normal, rng};
+use touchline_core::testing::{soccer, turned_base};
+use touchline_documents::testing::{match_from, new_frame};
 
 /// Half of 1920 px: what is said in px at 1920 px width is twice as much.
 const SIZE: ImageSize = ImageSize::new(960, 540);
 
-fn field() -> FieldModel {
-    builtin("soccer").unwrap().default_model().unwrap()
-}
-
 fn base() -> CameraBase {
-    let angles = BaseAngles {
-        pitch: Angle::from_degrees(-1.0),
-        ..BaseAngles::default()
-    };
-    CameraBase::new(
-        Vec3::new(1.0, -60.0, 18.0),
-        angles.base_from_world(),
-        SIZE.centre(),
-    )
+    turned_base([1.0, -60.0, 18.0], [0.0, -1.0, 0.0], SIZE)
 }
 
 /// Frames of a wide pan, each with up to five landmarks clicked where the truth has them, with
 /// click noise of this sigma.
 fn clicked_frames(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
-    let field = field();
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
+    let field = soccer();
+    let mut document = match_from(&base(), SIZE);
     for index in 0..frames {
         let ptz = Ptz::from_degrees(-35.0 + 70.0 * index as f64 / frames as f64, -12.0, 1000.0);
-        let mut frame = Frame::from_image(&format!("images/{index:03}.jpg"), "main".into(), SIZE);
+        let mut frame = new_frame(&format!("images/{index:03}.jpg"), SIZE);
         frame.status = FrameStatus::Reference;
         frame.ptz = Some(FramePtz::new(ptz, None));
         for shown in project_landmarks(&field, &PtzCamera::new(base(), ptz), SIZE, 0.0) {
@@ -206,8 +192,7 @@ fn evaluate_says_how_two_annotators_agree() {
         )
         .unwrap();
     }
-    let ran = touchline(folder.path(), "evaluate a.json b.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let ran = touchline(folder.path(), "evaluate a.json b.json").done();
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
     let noise = &report["agreement"]["one_annotator"];
     let ends: Vec<f64> = noise["interval_95_px"]
@@ -276,7 +261,7 @@ fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
     assert!(low < 1.2 && 1.2 < high && high < 1.25 * low, "{noise:?}");
 
     // The usual click noise: half of the template's variance.
-    let stated: BTreeMap<String, f64> = field()
+    let stated: BTreeMap<String, f64> = soccer()
         .landmarks
         .iter()
         .map(|landmark| (landmark.id.to_string(), landmark.click_sigma_px))
@@ -309,7 +294,7 @@ fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
     let changed = weighed
         .landmarks
         .iter()
-        .zip(field().landmarks)
+        .zip(soccer().landmarks)
         .map(|(a, b)| a.click_sigma_px / b.click_sigma_px);
     assert!(changed.into_iter().all(|factor| (factor - 1.0).abs() < 0.2));
 }

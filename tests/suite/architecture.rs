@@ -341,8 +341,12 @@ fn every_file_belongs_to_a_module() {
         for entry in fs::read_dir(workspace().join(&folder)).unwrap() {
             let path = folder.join(entry.unwrap().file_name());
             if workspace().join(&path).is_dir() {
-                // Tests and benchmarks of a crate are programs of their own.
-                if !path.ends_with("tests") && !path.ends_with("benches") {
+                // Tests and benchmarks of a crate are programs of their own; what they begin with is
+                // compiled for them alone.
+                if !["tests", "benches", "testing"]
+                    .iter()
+                    .any(|own| path.ends_with(own))
+                {
                     folders.push(path);
                 }
             } else if path.extension().is_some_and(|extension| extension == "rs")

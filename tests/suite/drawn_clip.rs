@@ -1,21 +1,22 @@
 //! A drawn clip with exact cameras, and how far found ones are off.
 #![cfg(feature = "opencv")]
 
-use crate::program::{document, touchline, write};
+use crate::drawn::draw;
 use std::path::Path;
 use touchline::document::{Document, Frame, FrameStatus, Solution};
 use touchline::field::{Landmark, LandmarkId};
 use touchline::geometry::{ImagePoint, Mat3, Vec3};
+use touchline_core::testing::soccer;
+use touchline_documents::testing::{load, save};
 
 /// A drawn clip at 25 frames a second with graphics that no mask covers; its first and last frame
 /// are known.
 pub fn drawn_clip(folder: &Path) -> Document {
-    let drawn = touchline(
+    draw(
         folder,
-        "synth -o match --frames 30 --step 0.04 --seed 4 --size 640x360 --preset easy --graphics score-bug --unmasked",
+        "--frames 30 --step 0.04 --seed 4 --size 640x360 --preset easy --graphics score-bug --unmasked",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
-    let truth = document(&folder.join("match/truth.json"));
+    let truth = load(folder.join("match/truth.json"));
     let mut asked = truth.clone();
     let last = asked.frames.len() - 1;
     for (index, frame) in asked.frames.iter_mut().enumerate() {
@@ -33,16 +34,13 @@ pub fn drawn_clip(folder: &Path) -> Document {
             (frame.status, frame.ptz) = (FrameStatus::New, None);
         }
     }
-    write(&folder.join("match/ask.json"), &asked);
+    save(folder.join("match/ask.json"), &asked);
     truth
 }
 
 /// Where a frame shows the landmarks of the field.
 pub fn visible_landmarks(truth: &Document, frame: usize) -> Vec<(LandmarkId, ImagePoint)> {
-    let field = touchline::field::builtin("soccer")
-        .unwrap()
-        .default_model()
-        .unwrap();
+    let field = soccer();
     let camera = truth.ptz_camera(&truth.frames[frame]).unwrap();
     let seen = |landmark: &Landmark| {
         let at = camera

@@ -5,13 +5,14 @@ use crate::architecture::CRATES;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use touchline::camera::{BaseAngles, CameraBase};
-use touchline::field::builtin;
-use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::geometry::{ImagePoint, ImageSize};
 use touchline::solve::{Observation, SolveContext, solve_frame};
+use touchline_core::testing::{base_at, soccer};
 
 /// Rooms of the program: public for its binary and tests only.
-const HIDDEN: [&str; 7] = ["app", "cli", "jobs", "render", "report", "scene", "ui"];
+const HIDDEN: [&str; 8] = [
+    "app", "cli", "jobs", "render", "report", "scene", "testing", "ui",
+];
 /// A crate of the program, hidden as a whole.
 const HIDDEN_CRATE: &str = "src/season";
 /// Everything else that can be named from outside, a line each.
@@ -19,15 +20,8 @@ const LISTING: &str = "tests/suite/samples/public_items.txt";
 
 #[test]
 fn a_solved_frame_is_written_with_its_units() {
-    let (field, size) = (
-        builtin("soccer").unwrap().default_model().unwrap(),
-        ImageSize::new(1920, 1080),
-    );
-    let base = CameraBase::new(
-        Vec3::new(0.0, -62.0, 17.0),
-        BaseAngles::default().base_from_world(),
-        size.centre(),
-    );
+    let (field, size) = (soccer(), ImageSize::new(1920, 1080));
+    let base = base_at([0.0, -62.0, 17.0], size);
     let clicks = [
         Observation::from_landmark(
             &field,

@@ -10,21 +10,13 @@
 #[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/bench.rs"]
 mod bench;
-#[allow(dead_code, reason = "shared by several crates")]
-#[path = "../shared/child.rs"]
-mod child;
+mod drawn;
 #[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/headless.rs"]
 mod headless;
 #[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/program.rs"]
 mod program;
-#[allow(dead_code, reason = "shared by several crates")]
-#[path = "../shared/proposed.rs"]
-mod proposed;
-#[allow(dead_code, reason = "shared by several crates")]
-#[path = "../shared/seeded.rs"]
-mod seeded;
 
 mod annotators;
 mod architecture;

@@ -1,11 +1,14 @@
 //! Painted lines from outside: drawn pictures with exact cameras.
 
-use crate::program::{document, touchline, write};
+use crate::drawn::draw;
+use crate::program::touchline;
 use std::fs;
-use touchline::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
+use touchline::camera::{Ptz, PtzCamera, Radial};
 use touchline::document::{FramePtz, FrameStatus, SolutionSource};
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
+use touchline_core::testing::TestBase;
+use touchline_documents::testing::{load, save};
 
 /// How far apart the overlays of two cameras are on the playing area, px: the median over the
 /// picture.
@@ -42,13 +45,12 @@ fn turn_view(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCam
 #[test]
 fn a_drawn_match_is_snapped_back_by_the_command() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 4 --seed 11 --size 1280x720 --preset easy",
+        "--frames 4 --seed 11 --size 1280x720 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
-    let truth = document(&folder.join("truth.json"));
+    let truth = load(folder.join("truth.json"));
     let mut off = truth.clone();
     for frame in &mut off.frames {
         frame.clicks.clear();
@@ -59,10 +61,9 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
     // One frame has no camera and stays as it is.
     off.frames[3].ptz = None;
     off.frames[3].solution = None;
-    write(&folder.join("off.json"), &off);
-    let ran = touchline(&folder, "snap off.json -o snapped.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    let snapped = document(&folder.join("snapped.json"));
+    save(folder.join("off.json"), &off);
+    let ran = touchline(&folder, "snap off.json -o snapped.json").done();
+    let snapped = load(folder.join("snapped.json"));
     let field = truth.field.model(&folder).unwrap();
     for (was, is) in truth.frames.iter().zip(&snapped.frames).take(3) {
         let apart = apart_px(
@@ -109,13 +110,12 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
 #[test]
 fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 2 --seed 11 --size 1280x720 --preset easy",
+        "--frames 2 --seed 11 --size 1280x720 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
-    let truth = document(&folder.join("truth.json"));
+    let truth = load(folder.join("truth.json"));
     let mut bare = truth.clone();
     for frame in &mut bare.frames {
         frame.clicks.clear();
@@ -125,10 +125,9 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
             Some(off),
         ));
     }
-    write(&folder.join("bare.json"), &bare);
-    let ran = touchline(&folder, "snap bare.json --k1 -o bent.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    let bent = document(&folder.join("bent.json"));
+    save(folder.join("bare.json"), &bare);
+    touchline(&folder, "snap bare.json --k1 -o bent.json").done();
+    let bent = load(folder.join("bent.json"));
     for (was, is) in truth.frames.iter().zip(&bent.frames) {
         let right = truth.ptz_camera(was).unwrap();
         let k1 = is.ptz.as_ref().unwrap().k1.unwrap();
@@ -146,39 +145,30 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     }
     let mut with_lens = truth.clone();
     let base = truth.cameras[0].base().unwrap();
-    with_lens.cameras[0].set_base(&CameraBase {
-        distortion: FocalCurve::constant(0.01),
-        ..base
-    });
-    write(&folder.join("with_lens.json"), &with_lens);
+    with_lens.cameras[0].set_base(&base.bent(0.01));
+    save(folder.join("with_lens.json"), &with_lens);
     let ran = touchline(&folder, "snap with_lens.json --k1 -o refused.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(
-        ran.stderr
-            .contains("its camera has lens distortion, which all its frames share"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("its camera has lens distortion, which all its frames share");
 }
 
 #[test]
 fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 1 --seed 11 --size 1280x720 --preset easy",
+        "--frames 1 --seed 11 --size 1280x720 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
-    let mut off = document(&folder.join("truth.json"));
+    let mut off = load(folder.join("truth.json"));
     let camera = off.ptz_camera(&off.frames[0]).unwrap();
     let before = FramePtz::new(turn_view(&camera, 400.0, 150.0, 1.2).ptz(), None);
     off.frames[0].ptz = Some(before.clone());
     off.frames[0].clicks.clear();
-    write(&folder.join("off.json"), &off);
+    save(folder.join("off.json"), &off);
     let ran = touchline(&folder, "snap off.json -o snapped.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    let frame = &document(&folder.join("snapped.json")).frames[0];
+    let frame = &load(folder.join("snapped.json")).frames[0];
     assert_eq!(frame.ptz, Some(before));
     let warnings = &frame.solution.as_ref().unwrap().warnings;
     assert!(
@@ -190,13 +180,12 @@ fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
 #[test]
 fn frames_without_a_camera_are_found_from_nothing_on_request() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 1 --seed 11 --size 960x540 --preset easy",
+        "--frames 1 --seed 11 --size 960x540 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
-    let truth = document(&folder.join("truth.json"));
+    let truth = load(folder.join("truth.json"));
     let mut bare = truth.clone();
     for frame in &mut bare.frames {
         frame.clicks.clear();
@@ -204,9 +193,9 @@ fn frames_without_a_camera_are_found_from_nothing_on_request() {
         frame.solution = None;
         frame.status = FrameStatus::New;
     }
-    write(&folder.join("bare.json"), &bare);
+    save(folder.join("bare.json"), &bare);
     let ran = touchline(&folder, "snap bare.json --from-nothing -o found.json");
-    let found = document(&folder.join("found.json"));
+    let found = load(folder.join("found.json"));
     let field = truth.field.model(&folder).unwrap();
     let mut solved = 0;
     for (was, is) in truth.frames.iter().zip(&found.frames) {
@@ -247,9 +236,5 @@ fn frames_without_a_camera_are_found_from_nothing_on_request() {
         "{}",
         ran.stderr
     );
-    assert!(
-        ran.stderr.contains(&format!("{solved} found from nothing")),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says(&format!("{solved} found from nothing"));
 }

@@ -1,8 +1,8 @@
 //! The painted lines in the application: a frame is snapped in one step, cameras are judged in the
 //! background.
 
+use crate::drawn::draw;
 use crate::headless::Headless;
-use crate::program::touchline;
 use touchline::app::guidance::next_step;
 use touchline::app::operation::Report;
 use touchline::app::operations::FrameSnap;
@@ -11,34 +11,31 @@ use touchline::app::{Action, App, Command, EditAction, Navigation, PointerAction
 use touchline::calibrate::check_values;
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{
-    Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
-    document_to_string,
+    Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target,
 };
 use touchline::exchange::{ExportOptions, Format, export};
 use touchline::geometry::{Angle, Vec2};
 use touchline::markings::{LineVerdict, project_landmarks};
 use touchline::solve::Verdict;
+use touchline_core::testing::landmark_in;
+use touchline_documents::testing::{load, save, solved_by};
 
 /// Two drawn frames: the camera of the first is 10 px off, that of the second looks elsewhere.
 fn project() -> (tempfile::TempDir, Document) {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 2 --seed 11 --size 960x540 --preset easy",
+        "--frames 2 --seed 11 --size 960x540 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
-    let truth = document_from_bytes(&std::fs::read(folder.join("truth.json")).unwrap()).unwrap();
+    let truth = load(folder.join("truth.json"));
     let mut off = truth.clone();
     for (frame, pan_px) in off.frames.iter_mut().zip([10.0, 260.0]) {
         frame.clicks.clear();
         let ptz = frame.ptz.as_ref().unwrap().ptz();
         let pan = ptz.pan + Angle::from_radians(pan_px / ptz.focal_px);
         frame.ptz = Some(FramePtz::new(Ptz { pan, ..ptz }, None));
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Manual),
-            ..Solution::default()
-        });
+        frame.solution = solved_by(SolutionSource::Manual);
         frame.status = FrameStatus::Draft;
     }
     let project = place.path().join("project");
@@ -47,11 +44,7 @@ fn project() -> (tempfile::TempDir, Document) {
         let name = frame.image.clone().unwrap();
         frame.image = Some(folder.join(name).to_string_lossy().into_owned());
     }
-    std::fs::write(
-        project.join("project.json"),
-        document_to_string(&off).unwrap(),
-    )
-    .unwrap();
+    save(project.join("project.json"), &off);
     (place, truth)
 }
 
@@ -169,7 +162,7 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
  {
     let (place, _) = project();
     let file = place.path().join("project").join("project.json");
-    let mut document = document_from_bytes(&std::fs::read(&file).unwrap()).unwrap();
+    let mut document = load(&file);
     let turf = place.path().join("turf.png");
     image::RgbImage::from_pixel(960, 540, image::Rgb([62, 110, 42]))
         .save(&turf)
@@ -177,7 +170,7 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     let bare = &mut document.frames[1];
     bare.image = Some(turf.to_string_lossy().into_owned());
     (bare.ptz, bare.solution, bare.status) = (None, None, FrameStatus::New);
-    std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
+    save(&file, &document);
     let mut headless = Headless::open(&place.path().join("project"));
     assert_eq!(
         headless.app.why_not(Command::SearchLines),
@@ -313,7 +306,7 @@ fn a_proposal_that_is_more_likely_wrong_is_asked_about_names_nothing_and_below_a
  {
     let (place, _) = project();
     let file = place.path().join("project").join("project.json");
-    let drawn = document_from_bytes(&std::fs::read(&file).unwrap()).unwrap();
+    let drawn = load(&file);
     for (confidence, is_drawn, is_asked) in
         [(0.03, false, true), (0.3, true, true), (0.7, true, false)]
     {
@@ -326,7 +319,7 @@ fn a_proposal_that_is_more_likely_wrong_is_asked_about_names_nothing_and_below_a
             confidence: Some(confidence),
             ..Solution::default()
         });
-        std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
+        save(&file, &document);
         let mut headless = Headless::open(&place.path().join("project"));
         assert_eq!(
             headless.app.shown_values().camera.is_some(),
@@ -395,9 +388,7 @@ fn points_beside_painted_crossings_go_to_them() {
         .filter(|click| click.snapped_sigma_px.is_some());
     for click in snapped {
         let id = click.target.as_ref().unwrap().as_str();
-        let exact = camera
-            .image_from_world(field.landmark_in_world(field.landmark(id).unwrap()))
-            .unwrap();
+        let exact = landmark_in(&camera, &field, id);
         let (off_px, sigma_px) = (
             click.image.distance_px(exact),
             click.snapped_sigma_px.unwrap(),
@@ -413,13 +404,10 @@ fn points_beside_painted_crossings_go_to_them() {
 fn snapping_a_proposal_is_a_step_of_its_own() {
     let (place, truth) = project();
     let file = place.path().join("project").join("project.json");
-    let mut document = document_from_bytes(&std::fs::read(&file).unwrap()).unwrap();
+    let mut document = load(&file);
     document.frames[0].status = FrameStatus::Suggested;
-    document.frames[0].solution = Some(Solution {
-        source: Some(SolutionSource::Forest),
-        ..Solution::default()
-    });
-    std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
+    document.frames[0].solution = solved_by(SolutionSource::Forest);
+    save(&file, &document);
     let mut headless = Headless::open(&place.path().join("project"));
     headless.act(Action::Navigate(Navigation::GoTo(1)));
     headless.wait_until("the line check", |app| app.paint_says(1).is_some());

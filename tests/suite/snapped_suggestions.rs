@@ -1,12 +1,13 @@
 //! Suggestions that are pulled onto the painted lines before anybody sees them.
 
-use crate::program::touchline;
-use crate::proposed::proposal_in;
+use crate::drawn::draw;
 use touchline::camera::PtzCamera;
-use touchline::document::{Document, FramePtz, FrameStatus, document_from_bytes};
+use touchline::document::{Document, FramePtz, FrameStatus};
 use touchline::geometry::{Angle, ImagePoint};
 use touchline::media::FrameReader;
 use touchline::proposals::{LineEvidence, NoProposal, Proposal};
+use touchline_application::testing::proposed::proposal_in;
+use touchline_documents::testing::load;
 
 /// How far the proposed cameras are turned away from the true ones, px.
 const OFF_PX: [f64; 3] = [6.0, 260.0, 6.0];
@@ -15,13 +16,12 @@ const OFF_PX: [f64; 3] = [6.0, 260.0, 6.0];
 /// paint makes of that, not snapping and snapping.
 fn judge_both() -> (Document, [Vec<Proposal>; 2]) {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 3 --seed 11 --size 960x540 --preset easy",
+        "--frames 3 --seed 11 --size 960x540 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
-    let truth = document_from_bytes(&std::fs::read(folder.join("truth.json")).unwrap()).unwrap();
+    let truth = load(folder.join("truth.json"));
     let mut open = truth.clone();
     open.frames[2].image = Some("lost.png".to_owned());
     for frame in &mut open.frames {
@@ -128,8 +128,8 @@ fn after_recording(frame: &mut touchline::document::Frame, proposal: &Proposal) 
 #[test]
 fn the_choice_is_kept_and_the_trainer_is_told_of_it() {
     use crate::bench::Bench;
-    use crate::proposed::blank;
     use touchline::app::{Action, App, Command, Effect, Opened, Settings, TrainerOrder};
+    use touchline_application::testing::proposed::blank;
 
     let mut bench = Bench::new(blank(1));
     let orders = |bench: &Bench| -> Vec<bool> {

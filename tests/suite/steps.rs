@@ -2,15 +2,17 @@
 //! among boards that scroll or before a dissolve, go through the commands in random order.
 #![cfg(feature = "opencv")]
 
+use crate::drawn::draw;
 use crate::drawn_clip::{drawn_clip, landmark_errors_px};
-use crate::program::{document, touchline, write};
-use crate::seeded;
+use crate::program::touchline;
 use image::{Rgb, RgbImage};
 use rand::seq::IndexedRandom;
 use std::path::Path;
 use touchline::camera::PtzCamera;
 use touchline::document::{Document, Frame, FrameStatus};
 use touchline::geometry::{ImagePoint, Vec2, Vec3};
+use touchline_core::testing::seeded;
+use touchline_documents::testing::{load, save};
 
 /// The commands between which an annotator chooses.
 const STEPS: [&str; 4] = [
@@ -63,11 +65,10 @@ impl Disturbance {
             }
             Self::Dissolve => {
                 let other = tempfile::tempdir().unwrap();
-                let drawn = touchline(
+                draw(
                     other.path(),
-                    "synth -o match --frames 12 --step 0.04 --seed 9 --size 640x360 --preset easy --unmasked",
+                    "--frames 12 --step 0.04 --seed 9 --size 640x360 --preset easy --unmasked",
                 );
-                assert_eq!(drawn.code, 0, "{}", drawn.stderr);
                 for (index, frame) in truth.frames.iter().enumerate().skip(BEFORE_DISSOLVE) {
                     let path = folder.join(frame.image.as_ref().unwrap());
                     let behind = format!("match/images/{:04}.jpg", index + 1 - BEFORE_DISSOLVE);
@@ -212,7 +213,7 @@ fn no_step_makes_a_camera_worse_than_it_states_nor_doubts_it_without_a_reason() 
             Disturbance::Dissolve => &[Lens::Right],
         };
         for lens in std::iter::repeat_n(lenses, stories).flatten() {
-            let mut start = document(&folder.join("ask.json"));
+            let mut start = load(folder.join("ask.json"));
             lens.apply(&mut start);
             disturbance.adjust(&mut start, &truth);
             let story = format!("{disturbance:?}, {lens:?}");
@@ -247,7 +248,7 @@ fn run_story(
     for step in steps {
         story = format!("{story}; {step}");
         let (command, options) = step.split_once(' ').unwrap_or((step, ""));
-        write(&folder.join("before.json"), &before);
+        save(folder.join("before.json"), &before);
         let ran = touchline(
             folder,
             &format!("{command} before.json {options} -o after.json --force"),
@@ -256,7 +257,7 @@ fn run_story(
             // It says why it cannot, and nothing is written.
             continue;
         }
-        let after = document(&folder.join("after.json"));
+        let after = load(folder.join("after.json"));
         compare(&before, &after, &story);
         before = after;
     }

@@ -1,19 +1,20 @@
 //! The background trainer on a drawn match.
 #![cfg(feature = "opencv")]
 
-use crate::commands::relocalize_command::drawn_match;
-use crate::program::touchline;
+use crate::drawn::draw;
+use crate::drawn::drawn_match;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 use touchline::app::{TrainerActivity, TrainerOrder, TrainerReport, TrainerStatus};
-use touchline::document::{Document, FramePtz, FrameStatus, document_from_bytes};
+use touchline::document::{Document, FramePtz, FrameStatus};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::jobs::{SharedPictures, Trainer, TrainerOptions};
 use touchline::proposals::{Proposal, WorkFolder};
 use touchline::relocalize::TrainOptions;
+use touchline_documents::testing::load;
 
 /// Lets a trainer do all that it has to do with a document.
 fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
@@ -43,7 +44,7 @@ fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
 }
 
 fn read(path: &Path) -> Document {
-    document_from_bytes(&fs::read(path).unwrap()).unwrap()
+    load(path)
 }
 
 #[test]
@@ -161,11 +162,10 @@ fn suspects(file: &Path, mislabel: impl Fn(&mut Vec<FramePtz>)) -> Vec<usize> {
 #[test]
 fn a_mislabelled_reference_is_named_and_right_ones_raise_no_alarm() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 14 --seed 5 --size 640x360 --preset easy",
+        "--frames 14 --seed 5 --size 640x360 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let file = place.path().join("match/truth.json");
     assert_eq!(suspects(&file, |_| ()), [] as [usize; 0], "all are right");
     assert_eq!(

@@ -21,7 +21,7 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
         window.app().current().preview.is_some(),
         "the landmarks of one frame show what they can"
     );
-    window.harness.get_by_label("Estimate the base now").click();
+    window.press_label("Estimate the base now");
     window.harness.step();
     window.wait_for(|shell| {
         shell
@@ -50,7 +50,7 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
             .next()
             .is_some()
     );
-    window.harness.get_by_label("Use this base").click();
+    window.press_label("Use this base");
     window.wait_for(|shell| shell.app().current().base.is_some());
     window.harness.run_steps(3);
     let base = window.app().current().base.unwrap();
@@ -163,7 +163,7 @@ fn the_details_rank_the_next_points_and_one_is_placed_from_there() {
     );
     window.harness.get_by_label("Details").scroll_to_me();
     window.harness.run_steps(3);
-    window.harness.get_by_label("Details").click();
+    window.press_label("Details");
     window.harness.run_steps(3);
     let picture = window.harness.get_by_label("Picture").rect();
     assert!(
@@ -174,7 +174,7 @@ fn the_details_rank_the_next_points_and_one_is_placed_from_there() {
     let label = format!("{}: {}", window.app().label(&target), next[0].gain());
     window.harness.get_by_label(&label).scroll_to_me();
     window.harness.run_steps(3);
-    window.harness.get_by_label(&label).click();
+    window.press_label(&label);
     window.harness.run_steps(2);
     assert_eq!(window.app().session.mode, Mode::Placing(target));
 }

@@ -47,7 +47,7 @@ fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
     );
     camera_panel(&mut window);
     window.harness.get_by_label("4 frames selected");
-    window.harness.get_by_label("Assign to camera…").click();
+    window.press_label("Assign to camera…");
     window.harness.run_steps(3);
     assert!(matches!(
         window.app().session.dialog,
@@ -64,7 +64,7 @@ fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
         .key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.harness.run_steps(2);
     window.type_text("high behind");
-    window.harness.get_by_label("Create and assign").click();
+    window.press_label("Create and assign");
     window.harness.run_steps(3);
     let open = window.app().open().unwrap();
     let cameras: Vec<&str> = open
@@ -105,11 +105,11 @@ fn the_size_of_the_field_is_confirmed_in_the_panel() {
         "Length and width are measured to the outer edge of the lines.",
     );
     window.harness.get_by_label("90 to 120 m. IFAB Law 1.3");
-    window.harness.get_by_label("Confirm").click();
+    window.press_label("Confirm");
     window.harness.run_steps(3);
     window.harness.get_by_label("Size confirmed");
     assert!(window.app().why_not(Command::ConfirmFieldSize).is_some());
-    window.harness.get_by_label("Not sure").click();
+    window.press_label("Not sure");
     window.harness.run_steps(3);
     window
         .harness

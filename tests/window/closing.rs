@@ -23,10 +23,7 @@ fn ctrl_q_asks_in_the_window_before_edits_are_lost() {
     let folder = window.app().open().unwrap().folder.clone();
     let away = folder.with_extension("away");
     std::fs::rename(&folder, &away).unwrap();
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Edit(EditAction::SetComment("kept?".to_owned()))]);
+    window.apply(Action::Edit(EditAction::SetComment("kept?".to_owned())));
     window.wait_for(|shell| matches!(shell.app().session.disk.saving, Saving::Failed { .. }));
     window
         .harness

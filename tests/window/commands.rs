@@ -59,10 +59,7 @@ fn a_key_conflict_is_reported_when_a_key_is_changed() {
         "keys",
         egui::Rect::from_min_size(pos2(200.0, 60.0), vec2(880.0, 600.0)),
     );
-    window
-        .harness
-        .get_by_label("Key of Next frame to do: N")
-        .click();
+    window.press_label("Key of Next frame to do: N");
     window.harness.run_steps(2);
     window.key(Key::Period);
     assert_eq!(
@@ -72,7 +69,7 @@ fn a_key_conflict_is_reported_when_a_key_is_changed() {
     assert_eq!(window.app().settings.keys.key_label(Command::NextFrame), "");
     let told = &window.app().session.messages.notices.last().unwrap().text;
     assert!(told.contains("“Next frame” no longer has a key"), "{told}");
-    window.harness.get_by_label("Reset to defaults").click();
+    window.press_label("Reset to defaults");
     window.harness.run_steps(2);
     assert!(!window.app().settings.keys.is_changed());
     window.key(Key::Escape);
@@ -86,7 +83,7 @@ fn menus_say_what_cannot_be_done_and_the_rows_what_can() {
         "status",
         egui::Rect::from_min_size(pos2(0.0, 696.0), vec2(1280.0, 24.0)),
     );
-    window.harness.get_by_label("Edit").click();
+    window.press_label("Edit");
     window.harness.run_steps(3);
     window.snapshot_of(
         "menu",
@@ -159,7 +156,7 @@ fn a_comment_is_written_and_an_overlay_colour_chosen() {
         Some("n is no command here")
     );
     window.key(Key::O);
-    window.harness.get_by_label("Cyan").click();
+    window.press_label("Cyan");
     window.harness.run_steps(2);
     assert_eq!(window.app().overlay_style().colour, [90, 225, 255]);
     window.key(Key::Escape);
@@ -202,14 +199,11 @@ fn nothing_open_invites_and_takes_a_typed_path() {
 
 fn the_sport_is_a_button_under_the_map_and_free_to_change_before_anything_is_named() {
     let mut window = Window::open(1, SIZE, 1.0);
-    window
-        .harness
-        .get_by_label("Soccer (IFAB Laws of the Game)")
-        .click();
+    window.press_label("Soccer (IFAB Laws of the Game)");
     window.harness.run_steps(3);
     assert_eq!(window.app().session.dialog, Some(Dialog::Sport));
     assert_eq!(window.app().points_of_field(), 0);
-    window.harness.get_by_label("Basketball (NBA)").click();
+    window.press_label("Basketball (NBA)");
     window.harness.run_steps(3);
     assert_eq!(
         window.app().shown_field_spec().unwrap().template,
@@ -223,12 +217,9 @@ fn the_sport_is_a_button_under_the_map_and_free_to_change_before_anything_is_nam
 fn without_a_file_dialog_the_path_is_typed() {
     let mut window = Window::open(1, SIZE, 1.0);
     let file = window.folder.path().join("out.json");
-    window
-        .harness
-        .state_mut()
-        .apply([Action::View(ViewAction::TypePath(Question::ExportAs(
-            Format::Json,
-        )))]);
+    window.apply(Action::View(ViewAction::TypePath(Question::ExportAs(
+        Format::Json,
+    ))));
     window.harness.run_steps(3);
     window.type_text(&file.display().to_string());
     window.key(Key::Enter);

@@ -42,10 +42,7 @@ fn frames_are_gone_to_and_rejected_by_keys() {
 
 fn the_filmstrip_goes_to_frames_and_filters_them() {
     let mut window = Window::open(30, SIZE, 1.0);
-    window
-        .harness
-        .get_by_label("Frame 2, 0002.png, New")
-        .click();
+    window.press_label("Frame 2, 0002.png, New");
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 2);
     let laid_out = window
@@ -63,7 +60,7 @@ fn the_filmstrip_goes_to_frames_and_filters_them() {
     window.harness.get_by_label("Frame 22, 0022.png, New");
     window.key(Key::X);
     window.type_text("1");
-    window.harness.get_by_label("Frames shown").click();
+    window.press_label("Frames shown");
     window.harness.run_steps(3);
     window.harness.get_by_label_contains("Rejected 1").click();
     window.harness.run_steps(3);
@@ -101,7 +98,7 @@ fn the_shown_frame_stays_in_the_filmstrip_however_it_came_there() {
     assert_eq!(window.app().session.frame, 60);
     // All frames again after a filter that showed none.
     for (shown, wanted) in [("Rejected 0", 0), ("All frames 80", 1)] {
-        window.harness.get_by_label("Frames shown").click();
+        window.press_label("Frames shown");
         window.harness.run_steps(3);
         window.harness.get_by_label_contains(shown).click();
         window.harness.run_steps(3);

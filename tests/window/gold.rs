@@ -1,14 +1,14 @@
 //! A blind round in the window: nothing of the label is to be seen, and a click is kept where it
 //! was made.
 
-use super::harness::{SIZE, Window, field, truth};
+use super::harness::{Window, seen_landmarks, truth};
 use crate::parts::{Test, tests};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::{Action, Command};
 use touchline::camera::Ptz;
-use touchline::document::{Click, Document, FramePtz, FrameStatus, document_to_string};
-use touchline::field::Landmark;
+use touchline::document::{Document, FramePtz, FrameStatus};
 use touchline::geometry::ImagePoint;
+use touchline_documents::testing::save;
 
 pub const TESTS: &[Test] = tests![
     [Adapter] nothing_of_the_label_shows_in_a_blind_round;
@@ -18,19 +18,11 @@ pub const TESTS: &[Test] = tests![
 /// Labels a project's frames; the label and its camera lie off by so much.
 fn label(document: &mut Document, off_px: f64) {
     for (index, frame) in document.frames.iter_mut().enumerate() {
-        let seen = |landmark: &Landmark| {
-            let at = truth(index)
-                .image_from_world(field().landmark_in_world(landmark))
-                .ok()?;
-            let inside = SIZE.contains(at) && landmark.nominal_m.z == 0.0;
-            inside.then(|| {
-                Click::landmark(
-                    landmark.id.clone(),
-                    ImagePoint::new(at.x + off_px, at.y - off_px),
-                )
-            })
-        };
-        frame.clicks = field().landmarks.iter().filter_map(seen).take(3).collect();
+        frame.clicks = seen_landmarks(index);
+        frame.clicks.truncate(3);
+        for click in &mut frame.clicks {
+            click.image = ImagePoint::new(click.image.x + off_px, click.image.y - off_px);
+        }
         let ptz = truth(index).ptz();
         let shown = Ptz::from_degrees(
             ptz.pan.degrees() + 0.2 * off_px,
@@ -53,17 +45,10 @@ fn round(off_px: f64) -> Window {
         let name = format!("{index:04}.png");
         std::fs::copy(window.folder.path().join(&name), folder.path().join(&name)).unwrap();
     }
-    std::fs::write(
-        folder.path().join("project.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.path().join("project.json"), &document);
     drop(window);
     let mut window = Window::on(folder, [960.0, 600.0], 1.0);
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Command(Command::ClickAgain)]);
+    window.apply(Action::Command(Command::ClickAgain));
     window.wait_for(|shell| shell.has_picture() && shell.has_thumbnails());
     window.harness.run_steps(3);
     window
@@ -101,10 +86,7 @@ fn nothing_of_the_label_shows_in_a_blind_round() {
     }
     // Outside of a round the same windows differ.
     for window in [&mut near, &mut far] {
-        window
-            .harness
-            .state_mut()
-            .apply([Action::Command(Command::Cancel)]);
+        window.apply(Action::Command(Command::Cancel));
         window.harness.run_steps(3);
     }
     assert!(!alike(&pixels(&mut near, label), &pixels(&mut far, label)));

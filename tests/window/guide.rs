@@ -36,17 +36,14 @@ fn every_dialog_leads_to_its_page_and_back() {
         (Command::Export, GuidePage::Export),
         (Command::Import, GuidePage::Export),
     ] {
-        window.harness.state_mut().apply([Action::Command(command)]);
+        window.apply(Action::Command(command));
         window.harness.run_steps(3);
         let before = window.app().session.dialog.clone();
-        window
-            .harness
-            .get_by_label(&format!("Guide: {}", expected.title()))
-            .click();
+        window.press_label(&format!("Guide: {}", expected.title()));
         // A sheet takes its place in the second picture.
         window.harness.run_steps(6);
         assert_eq!(page(&window), Some(expected), "{}", command.name());
-        window.harness.get_by_label("Glossary").click();
+        window.press_label("Glossary");
         window.harness.run_steps(4);
         assert_eq!(
             page(&window),
@@ -54,13 +51,10 @@ fn every_dialog_leads_to_its_page_and_back() {
             "{}",
             command.name()
         );
-        window.harness.get_by_label("Back").click();
+        window.press_label("Back");
         window.harness.run_steps(3);
         assert_eq!(window.app().session.dialog, before, "{}", command.name());
-        window
-            .harness
-            .state_mut()
-            .apply([Action::View(ViewAction::CloseDialog)]);
+        window.apply(Action::View(ViewAction::CloseDialog));
         window.harness.run_steps(2);
     }
 }

@@ -10,52 +10,38 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use touchline::app::session::PictureView;
 use touchline::app::{Action, App, TrainerReport};
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::camera::{CameraBase, PtzCamera};
 use touchline::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
-    SolutionWarning, document_to_string,
+    Click, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
 };
-use touchline::field::{FieldModel, Landmark, builtin};
-use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use touchline::geometry::{ImagePoint, ImageSize, Mat3};
 use touchline::proposals::{Answer, FrameRequest, Proposal, Timings};
 use touchline::render::{Layer, Offscreen, View};
 use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::Colour;
 use touchline::scene::overlay::{OverlayScene, field_overlay};
 use touchline::ui::Shell;
+use touchline_core::testing::{TestBase, base_at, ground_landmarks, landmark_in, soccer};
+use touchline_documents::testing::{match_from, new_frame, save, solved_by};
 
 /// The size of every frame.
 pub const SIZE: ImageSize = ImageSize::new(640, 360);
 /// How long the background may take for a small picture.
 const PATIENCE: Duration = Duration::from_mins(1);
 
-/// The field of every frame.
-pub fn field() -> FieldModel {
-    builtin("soccer").unwrap().default_model().unwrap()
-}
-
 fn base() -> CameraBase {
-    CameraBase::new(
-        Vec3::new(1.5, -66.0, 18.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
+    base_at([1.5, -66.0, 18.0], SIZE)
 }
 
 /// The camera that drew a frame.
 pub fn truth(frame: usize) -> PtzCamera {
-    PtzCamera::new(
-        base(),
-        Ptz::from_degrees(-18.0 + 1.5 * frame as f64, -13.0, 760.0),
-    )
+    base().aim(-18.0 + 1.5 * frame as f64, -13.0, 760.0)
 }
 
 /// Writes a project of plain frames: white lines on green.
-fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
+fn write_project(folder: &Path, frames: usize) {
+    let mut offscreen = Offscreen::new().unwrap();
+    let mut document = match_from(&base(), SIZE);
     let style = OverlayStyle {
         colour: [235, 240, 235],
         width: 1.5,
@@ -65,7 +51,7 @@ fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
         ..OverlayStyle::default()
     };
     for index in 0..frames {
-        let (field, camera) = (field(), truth(index));
+        let (field, camera) = (soccer(), truth(index));
         let scene = OverlayScene {
             camera: Some(&camera),
             ..OverlayScene::new(&field, SIZE, &style)
@@ -77,28 +63,25 @@ fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
             .unwrap();
         let name = format!("{index:04}.png");
         picture.save(folder.join(&name)).unwrap();
-        document
-            .frames
-            .push(Frame::from_image(&name, "main".into(), SIZE).into());
+        document.frames.push(new_frame(&name, SIZE).into());
     }
-    std::fs::write(
-        folder.join("project.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.join("project.json"), &document);
+}
+
+/// A folder with a project of plain frames.
+fn new_project(frames: usize) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    write_project(folder.path(), frames);
+    folder
 }
 
 /// Exact points on every landmark that a frame shows on the ground.
-fn seen_landmarks(frame: usize) -> Vec<Click> {
-    let field = field();
-    let seen = |landmark: &Landmark| {
-        let at = truth(frame)
-            .image_from_world(field.landmark_in_world(landmark))
-            .ok()?;
-        (SIZE.contains(at) && landmark.nominal_m.z == 0.0)
-            .then(|| Click::landmark(landmark.id.clone(), at))
-    };
-    field.landmarks.iter().filter_map(seen).collect()
+pub fn seen_landmarks(frame: usize) -> Vec<Click> {
+    let (field, camera) = (soccer(), truth(frame));
+    ground_landmarks(&field, &camera)
+        .filter(|(_, _, at)| SIZE.contains(*at))
+        .map(|(_, landmark, at)| Click::landmark(landmark.id.clone(), at))
+        .collect()
 }
 
 /// An adapter as the toolkit's tests choose it, but no OpenGL unasked: Mesa's can end the process
@@ -124,28 +107,22 @@ pub struct Window {
 impl Window {
     /// Opens a project of plain frames.
     pub fn open(frames: usize, size: [f32; 2], pixels_per_point: f32) -> Self {
-        let mut offscreen = Offscreen::new().unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        write_project(folder.path(), frames, &mut offscreen);
-        Self::on(folder, size, pixels_per_point)
+        Self::on(new_project(frames), size, pixels_per_point)
     }
 
     /// Opens a project of plain frames in a folder of this name.
     pub fn open_in(name: &str, frames: usize, size: [f32; 2]) -> Self {
-        let mut offscreen = Offscreen::new().unwrap();
         let around = tempfile::tempdir().unwrap();
         let folder = around.path().join(name);
         std::fs::create_dir(&folder).unwrap();
-        write_project(&folder, frames, &mut offscreen);
+        write_project(&folder, frames);
         Self::at(around, folder, size, 1.0)
     }
 
     /// Opens a project of plain frames whose camera is not known, with exact points on every
     /// landmark of each.
     pub fn open_clicked(frames: usize, size: [f32; 2]) -> Self {
-        let mut offscreen = Offscreen::new().unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        write_project(folder.path(), frames, &mut offscreen);
+        let folder = new_project(frames);
         let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
         let camera = &mut document.cameras[0];
         (camera.position_m, camera.base_from_world) = (None, None);
@@ -153,28 +130,19 @@ impl Window {
             frame.clicks = seen_landmarks(index);
             frame.status = FrameStatus::Draft;
         }
-        std::fs::write(
-            folder.path().join("project.json"),
-            document_to_string(&document).unwrap(),
-        )
-        .unwrap();
+        save(folder.path().join("project.json"), &document);
         Self::on(folder, size, 1.0)
     }
 
     /// Opens a project of plain references with exact points on every landmark of each, save one
     /// point of the fourth.
     pub fn open_referenced(frames: usize, size: [f32; 2]) -> Self {
-        let mut offscreen = Offscreen::new().unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        write_project(folder.path(), frames, &mut offscreen);
+        let folder = new_project(frames);
         let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
         for (index, frame) in document.frames.iter_mut().enumerate() {
             frame.clicks = seen_landmarks(index);
             frame.ptz = Some(FramePtz::new(truth(index).ptz(), None));
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Clicks),
-                ..Solution::default()
-            });
+            frame.solution = solved_by(SolutionSource::Clicks);
             frame.status = FrameStatus::Reference;
         }
         if let Some(click) = document
@@ -184,20 +152,14 @@ impl Window {
         {
             click.image.x += 9.0;
         }
-        std::fs::write(
-            folder.path().join("project.json"),
-            document_to_string(&document).unwrap(),
-        )
-        .unwrap();
+        save(folder.path().join("project.json"), &document);
         Self::on(folder, size, 1.0)
     }
 
     /// Opens a project of plain frames with a camera proposed for each, as certain as this; none:
     /// no answer.
     pub fn open_suggested(confidences: &[Option<f64>], size: [f32; 2]) -> Self {
-        let mut offscreen = Offscreen::new().unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        write_project(folder.path(), confidences.len(), &mut offscreen);
+        let folder = new_project(confidences.len());
         let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
         for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate()
         {
@@ -217,11 +179,7 @@ impl Window {
             }
             frame.solution = Some(solution);
         }
-        std::fs::write(
-            folder.path().join("project.json"),
-            document_to_string(&document).unwrap(),
-        )
-        .unwrap();
+        save(folder.path().join("project.json"), &document);
         Self::on(folder, size, 1.0)
     }
 
@@ -285,9 +243,7 @@ impl Window {
             outcome: Ok(answer),
             timings: Timings::default(),
         };
-        self.harness
-            .state_mut()
-            .apply([Action::Trainer(TrainerReport::Proposals(vec![proposal]))]);
+        self.apply(Action::Trainer(TrainerReport::Proposals(vec![proposal])));
         self.harness.run_steps(2);
     }
 
@@ -316,11 +272,7 @@ impl Window {
 
     /// Where a landmark is in the shown frame, by the truth.
     pub fn image_of(&self, landmark: &str) -> ImagePoint {
-        let field = field();
-        let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-        truth(self.app().session.frame)
-            .image_from_world(world)
-            .unwrap()
+        landmark_in(&truth(self.app().session.frame), &soccer(), landmark)
     }
 
     /// Presses and releases the button at a point of the picture.
@@ -336,6 +288,16 @@ impl Window {
         self.harness.step();
         self.harness.drag_at(at);
         self.harness.step();
+    }
+
+    /// Clicks what has this label.
+    pub fn press_label(&self, label: &str) {
+        self.harness.get_by_label(label).click();
+    }
+
+    /// Does this, whatever is shown.
+    pub fn apply(&mut self, action: Action) {
+        self.harness.state_mut().apply([action]);
     }
 
     /// The pointer moves.

@@ -95,10 +95,7 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
         "inspector",
         egui::Rect::from_min_max(pos2(980.0, 220.0), pos2(1280.0, 696.0)),
     );
-    window
-        .harness
-        .get_by_label("Point 1: Penalty area, far left, front corner, no evidence")
-        .click();
+    window.press_label("Point 1: Penalty area, far left, front corner, no evidence");
     window.harness.run_steps(2);
     assert_eq!(window.app().session.points.selected, Some(0));
     window.key(Key::ArrowRight);
@@ -106,7 +103,7 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
         undo_name(&window).as_deref(),
         Some("Nudge Penalty area, far left, front corner")
     );
-    window.harness.get_by_label("Check point 2").click();
+    window.press_label("Check point 2");
     window.harness.run_steps(2);
     assert!(window.app().frame().unwrap().clicks[1].check);
     assert!(
@@ -115,14 +112,14 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
     );
     let accept = window.harness.get_by_label("Accept");
     assert!(accept.accesskit_node().is_disabled());
-    window.harness.get_by_label("Delete point 2").click();
+    window.press_label("Delete point 2");
     window.harness.run_steps(2);
     assert_eq!(window.app().frame().unwrap().clicks.len(), 1);
 }
 
 fn details_unfold_and_say_what_two_points_cannot() {
     let mut window = solved_window();
-    window.harness.get_by_label("Details").click();
+    window.press_label("Details");
     window.harness.run_steps(3);
     assert!(window.app().settings.details);
     window

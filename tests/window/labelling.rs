@@ -37,10 +37,7 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
         window.app().current().preview.is_some(),
         "the camera with this name is shown"
     );
-    window
-        .harness
-        .get_by_label("1 Centre circle meets halfway line, near")
-        .click();
+    window.press_label("1 Centre circle meets halfway line, near");
     window.harness.run_steps(2);
     let camera = window.app().current().camera.unwrap();
     assert!(

@@ -22,7 +22,7 @@ fn swapped_points_are_compared_and_mended_with_a_button() {
     ];
     for (place, landmark) in named.iter().enumerate() {
         let pick = Action::Edit(EditAction::Pick(Target::Landmark((*landmark).into())));
-        window.harness.state_mut().apply([pick]);
+        window.apply(pick);
         let shown = named[match place {
             1 => 3,
             3 => 1,
@@ -55,7 +55,7 @@ fn swapped_points_are_compared_and_mended_with_a_button() {
     window.harness.run_steps(2);
     assert!(!window.app().session.picture.held.compare);
 
-    window.harness.get_by_label("Swap").click();
+    window.press_label("Swap");
     window.harness.run_steps(3);
     let after = window.app().current().camera.unwrap().ptz();
     assert_ne!(before, after);

@@ -24,10 +24,7 @@ fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
     let mut window = Window::open(1, SIZE, 1.0);
     let picture = window.harness.get_by_label("Picture").rect();
     let told = |window: &mut Window, level: Level, text: &str| {
-        window
-            .harness
-            .state_mut()
-            .apply([Action::View(ViewAction::Notify(level, text.to_owned()))]);
+        window.apply(Action::View(ViewAction::Notify(level, text.to_owned())));
         window.harness.run_steps(4);
     };
     told(
@@ -57,10 +54,10 @@ fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
         .harness
         .get_by_label("0412.jpg changed since it was labelled.");
     // Both stay in the list of messages, which dismisses all at once.
-    window.harness.get_by_label("Messages").click();
+    window.press_label("Messages");
     window.harness.run_steps(3);
     assert!(window.harness.query_by_label("Dataset written.").is_some());
-    window.harness.get_by_label("Dismiss all messages").click();
+    window.press_label("Dismiss all messages");
     window.harness.run_steps(3);
     assert!(
         window.app().session.messages.notices.is_empty()
@@ -129,13 +126,10 @@ fn every_control_has_a_name() {
         Command::Import,
     ];
     for dialog in dialogs {
-        window.harness.state_mut().apply([Action::Command(dialog)]);
+        window.apply(Action::Command(dialog));
         window.harness.run_steps(3);
         nameless(&window, dialog.name());
-        window
-            .harness
-            .state_mut()
-            .apply([Action::View(ViewAction::CloseDialog)]);
+        window.apply(Action::View(ViewAction::CloseDialog));
         window.harness.run_steps(2);
     }
 }
@@ -224,7 +218,7 @@ fn every_side_panel_begins_at_the_same_place() {
         (Command::CameraPanel, "LENS"),
     ];
     let lefts = panels.map(|(command, title)| {
-        window.harness.state_mut().apply([Action::Command(command)]);
+        window.apply(Action::Command(command));
         window.harness.run_steps(4);
         window.harness.get_by_label(title).rect().left()
     });
@@ -256,10 +250,8 @@ fn the_picture_is_made_brighter_and_stays_so_between_frames() {
         gamma: 2.0,
         ..Default::default()
     };
-    window.harness.state_mut().apply([
-        Action::Settings(SettingsAction::PictureLook(look)),
-        Action::View(ViewAction::CloseDialog),
-    ]);
+    window.apply(Action::Settings(SettingsAction::PictureLook(look)));
+    window.apply(Action::View(ViewAction::CloseDialog));
     window.key(Key::Period);
     window.wait_for(Shell::has_picture);
     window.harness.run_steps(2);

@@ -18,25 +18,19 @@ pub const TESTS: &[Test] = tests![
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
 fn preferences(window: &mut Window) {
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Command(Command::Preferences)]);
+    window.apply(Action::Command(Command::Preferences));
     window.harness.run_steps(3);
 }
 
 fn the_light_theme_is_light_everywhere_at_once() {
     let mut window = Window::open_suggested(&[Some(0.9), Some(0.4), None], SIZE);
     preferences(&mut window);
-    window.harness.get_by_label("Light").click();
+    window.press_label("Light");
     window.harness.run_steps(3);
     assert_eq!(window.app().settings.theme, ThemeChoice::Light);
     let part = Rect::from_min_max(pos2(380.0, 40.0), pos2(900.0, 330.0));
     window.snapshot_of("preferences_light", part);
-    window
-        .harness
-        .state_mut()
-        .apply([Action::View(ViewAction::CloseDialog)]);
+    window.apply(Action::View(ViewAction::CloseDialog));
     window.harness.run_steps(3);
     let image = window.harness.render().unwrap();
     let ground = |x: u32, y: u32| {
@@ -55,7 +49,7 @@ fn the_light_theme_is_light_everywhere_at_once() {
         Rect::from_min_max(pos2(980.0, 220.0), pos2(1280.0, 696.0)),
     );
     preferences(&mut window);
-    window.harness.get_by_label("Dark").click();
+    window.press_label("Dark");
     window.harness.run_steps(3);
     assert!(window.harness.ctx.theme() == egui::Theme::Dark);
 }
@@ -69,7 +63,7 @@ fn the_colour_of_lines_is_chosen_by_sport() {
         .get_by_label("Basketball: Sky blue")
         .scroll_to_me();
     window.harness.run_steps(3);
-    window.harness.get_by_label("Basketball: Sky blue").click();
+    window.press_label("Basketball: Sky blue");
     window.harness.run_steps(3);
     assert_eq!(
         window.app().overlay_style().colour,
@@ -80,7 +74,7 @@ fn the_colour_of_lines_is_chosen_by_sport() {
         window.app().settings.overlay_of("basketball_nba").colour,
         [86, 180, 233]
     );
-    window.harness.get_by_label("Soccer: Magenta").click();
+    window.press_label("Soccer: Magenta");
     window.harness.run_steps(3);
     assert_eq!(window.app().overlay_style().colour, [214, 40, 190]);
 }
@@ -96,10 +90,7 @@ fn without_the_loupe_there_is_none() {
         shown: false,
         ..Default::default()
     };
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Settings(SettingsAction::Loupe(look))]);
+    window.apply(Action::Settings(SettingsAction::Loupe(look)));
     window.press(at);
     assert!(window.harness.query_by_label("Loupe").is_none());
     window.release(at);
@@ -130,7 +121,7 @@ fn tab_goes_through_a_dialog_from_top_to_bottom() {
         (Command::AssignToCamera, "Assign frames to a camera"),
         (Command::About, "About"),
     ] {
-        window.harness.state_mut().apply([Action::Command(command)]);
+        window.apply(Action::Command(command));
         window.harness.run_steps(6);
         let close = format!("Close: {title}");
         window.harness.get_by_label(&close).focus();
@@ -173,10 +164,7 @@ fn tab_goes_through_a_dialog_from_top_to_bottom() {
                 after.0
             );
         }
-        window
-            .harness
-            .state_mut()
-            .apply([Action::View(ViewAction::CloseDialog)]);
+        window.apply(Action::View(ViewAction::CloseDialog));
         window.harness.run_steps(2);
     }
 }

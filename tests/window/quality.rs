@@ -62,13 +62,10 @@ fn the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging() {
     let [earlier, _] = window.app().session.quality.span.unwrap();
     assert!(earlier < from - 0.3, "{earlier} {from}");
     assert!(window.app().session.quality.open, "dragging is no click");
-    window.harness.get_by_label("All").click();
+    window.press_label("All");
     window.harness.run_steps(2);
     assert_eq!(window.app().session.quality.span, None);
-    window
-        .harness
-        .get_by_label("Close the quality page")
-        .click();
+    window.press_label("Close the quality page");
     window.harness.run_steps(2);
     assert!(!window.app().session.quality.open);
 }

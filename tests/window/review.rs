@@ -53,22 +53,16 @@ fn the_list_leads_from_suggestion_to_suggestion() {
         0,
         "round and round: the most doubtful"
     );
-    window.harness.get_by_label("Time").click();
+    window.press_label("Time");
     window.harness.run_steps(2);
     window.key(Key::N);
     assert_eq!(window.app().session.frame, 2);
-    window
-        .harness
-        .get_by_label(
-            "1 frame has no answer, 1 proposal is uncertain: label frame 3, near pan\u{a0}−15°.",
-        )
-        .click();
+    window.press_label(
+        "1 frame has no answer, 1 proposal is uncertain: label frame 3, near pan\u{a0}−15°.",
+    );
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 3);
-    window
-        .harness
-        .get_by_label("Close the review panel")
-        .click();
+    window.press_label("Close the review panel");
     window.harness.run_steps(2);
     assert_eq!(window.app().session.panel, SidePanel::Frame);
     window

@@ -8,9 +8,8 @@ use egui::{Event, Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
 use std::process::Command;
-use touchline::document::{
-    Camera, Document, FieldSpec, Frame, ShotKind, VideoFrame, VideoShots, document_to_string,
-};
+use touchline::document::{ShotKind, VideoShots};
+use touchline_documents::testing::{WithFrames, a_match, new_video_frame, save};
 
 pub const TESTS: &[Test] = tests![
     [Adapter, Ffmpeg] a_click_or_a_drag_on_the_timeline_shows_that_frame;
@@ -38,23 +37,12 @@ fn write_project(folder: &Path) {
         .current_dir(folder)
         .status();
     assert!(made.unwrap().success());
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), SIZE).into());
-    for index in 0..FRAMES {
-        let video = VideoFrame::new(VIDEO, index, Some(index as f64 / 25.0));
-        document
-            .frames
-            .push(Frame::from_video(video, "main".into(), SIZE).into());
-    }
+
+    let frames = (0..FRAMES).map(|index| new_video_frame(VIDEO, index, SIZE));
+    let mut document = a_match(SIZE).with_frames(frames);
     VideoShots::from_cuts(&document, VIDEO, FRAMES - 1, &[(CUT, ShotKind::Cut)])
         .write(&mut document);
-    std::fs::write(
-        folder.join("project.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.join("project.json"), &document);
 }
 
 fn open() -> Window {
@@ -199,9 +187,9 @@ fn a_frame_is_gone_to_by_its_number_or_its_time() {
 
 fn a_video_plays_and_stands_where_it_is_paused() {
     let mut window = open();
-    window.harness.get_by_label("Play").click();
+    window.press_label("Play");
     window.wait_for(|shell| shell.app().session.frame >= 3);
-    window.harness.get_by_label("Pause").click();
+    window.press_label("Pause");
     window.harness.run_steps(2);
     let stands = shown_frame(&window);
     window.harness.get_by_label("Play");

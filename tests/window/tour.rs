@@ -38,7 +38,7 @@ fn the_tour_goes_on_when_its_step_is_done_and_can_be_left() {
     let mut window = Window::open_in("demo", 4, [1280.0, 720.0]);
     let picture = window.harness.get_by_label("Picture").rect();
     // The demo offers it.
-    window.harness.get_by_label("Take the tour").click();
+    window.press_label("Take the tour");
     window.harness.run_steps(3);
     assert_eq!(step(&window), Some(TourStep::FirstPoint));
     window.harness.get_by_label("Step 1 of 5: Place a point");
@@ -73,31 +73,25 @@ fn the_tour_goes_on_when_its_step_is_done_and_can_be_left() {
     );
     window.release(at + egui::vec2(6.0, 0.0));
     assert_eq!(step(&window), Some(TourStep::Accept));
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Command(Command::Accept)]);
+    window.apply(Action::Command(Command::Accept));
     assert_eq!(step(&window), Some(TourStep::Decide));
     window.key(Key::X);
     window.type_text("2");
     window.harness.run_steps(2);
     assert_eq!(step(&window), Some(TourStep::Finished));
     window.harness.get_by_label("That is the whole method");
-    window.harness.get_by_label("Close").click();
+    window.press_label("Close");
     window.harness.run_steps(3);
     assert_eq!(step(&window), None);
 
     // It can be begun again, and left.
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Command(Command::StartTour)]);
+    window.apply(Action::Command(Command::StartTour));
     window.harness.run_steps(2);
     assert_eq!(
         (step(&window), window.app().session.frame),
         (Some(TourStep::FirstPoint), 2)
     );
-    window.harness.get_by_label("Leave the tour").click();
+    window.press_label("Leave the tour");
     window.harness.run_steps(3);
     assert_eq!(step(&window), None);
 }
@@ -106,10 +100,7 @@ fn without_a_frame_to_try_the_tour_says_what_to_do() {
     let mut window = Window::open_in("demo", 1, [1280.0, 720.0]);
     window.key(Key::X);
     window.type_text("1");
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Command(Command::StartTour)]);
+    window.apply(Action::Command(Command::StartTour));
     assert_eq!(step(&window), None);
     let notice = &window.app().session.messages.notices.last().unwrap().text;
     assert!(

@@ -91,10 +91,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
         .harness
         .get_by_label("Waiting for the first reference.");
     let status = status(&window.app().open().unwrap().document);
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Trainer(TrainerReport::Status(Box::new(status)))]);
+    window.apply(Action::Trainer(TrainerReport::Status(Box::new(status))));
     window.harness.run_steps(3);
     for said in [
         "Proposing cameras: 30 of 120, about 70\u{a0}s left.",
@@ -119,16 +116,16 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     );
 
     // A reference that was left out leads to its frame.
-    window.harness.get_by_label("0003.png: 64 px").click();
+    window.press_label("0003.png: 64 px");
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 3);
 
-    window.harness.get_by_label("Pause").click();
+    window.press_label("Pause");
     window.harness.run_steps(2);
     assert!(window.app().session.trainer.paused);
     window.wait_for(|shell| shell.app().session.trainer.status.doing == TrainerActivity::Paused);
     window.harness.run_steps(2);
-    window.harness.get_by_label("Resume").click();
+    window.press_label("Resume");
     window.harness.run_steps(2);
     assert!(!window.app().session.trainer.paused);
     window.key(Key::F3);
@@ -144,12 +141,9 @@ fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
         references: 1,
         ..TrainerStatus::default()
     };
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Trainer(TrainerReport::Status(Box::new(status)))]);
+    window.apply(Action::Trainer(TrainerReport::Status(Box::new(status))));
     window.harness.run_steps(2);
-    window.harness.get_by_label("trainer: problem").click();
+    window.press_label("trainer: problem");
     window.harness.run_steps(2);
     assert_eq!(window.app().session.panel, SidePanel::Trainer);
     window.harness.get_by_label_contains("the saw broke");

@@ -3,7 +3,6 @@
 use super::harness::Window;
 use crate::parts::{Test, tests};
 use egui::{Key, Modifiers, pos2, vec2};
-use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::Dialog;
 use touchline::app::transfer::{PreviewResult, TransferAction};
 use touchline::app::{Action, App, Question};
@@ -38,10 +37,7 @@ fn formats_say_what_they_are_and_what_they_lose_before_anything_is_written() {
     assert_eq!(window.app().session.dialog, Some(Dialog::Transfer));
     wait_for_look(&mut window);
     // Further down in the list than a click reaches.
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Transfer(TransferAction::Format(Format::Chan))]);
+    window.apply(Action::Transfer(TransferAction::Format(Format::Chan)));
     window.wait_for(|shell| shell.is_idle() && exported_format(shell.app()) == Some(Format::Chan));
     window.harness.run_steps(3);
     assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
@@ -50,10 +46,10 @@ fn formats_say_what_they_are_and_what_they_lose_before_anything_is_written() {
         egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)),
     );
     let file = window.folder.path().join("camera.chan");
-    window.harness.state_mut().apply([Action::Answer(
+    window.apply(Action::Answer(
         Question::ExportAs(Format::Chan),
         file.clone(),
-    )]);
+    ));
     window.wait_for(|shell| file.exists() && shell.app().session.dialog.is_none());
 }
 
@@ -63,10 +59,7 @@ fn a_dataset_is_shown_before_it_is_written() {
         .harness
         .key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     window.harness.run_steps(2);
-    window
-        .harness
-        .get_by_label("split into training, validation and test, %:")
-        .click();
+    window.press_label("split into training, validation and test, %:");
     window.harness.run_steps(2);
     wait_for_look(&mut window);
     assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
@@ -75,17 +68,11 @@ fn a_dataset_is_shown_before_it_is_written() {
         egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)),
     );
     let folder = window.folder.path().join("set");
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Answer(Question::DatasetTo, folder.clone())]);
+    window.apply(Action::Answer(Question::DatasetTo, folder.clone()));
     window.wait_for(|shell| {
         folder.join("manifest.sha256").exists() && shell.app().session.dialog.is_none()
     });
-    window
-        .harness
-        .state_mut()
-        .apply([Action::Transfer(TransferAction::Stop)]);
+    window.apply(Action::Transfer(TransferAction::Stop));
     assert!(
         (!window.app().operations.transfer.is_looking()
             && window.app().operations.transfer.writing().is_none())

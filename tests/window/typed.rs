@@ -153,7 +153,7 @@ fn two_points_named() -> Window {
     let mut window = Window::open(2, [1280.0, 720.0], 1.0);
     for landmark in ["penalty_area_far_left_front", "centre_circle_halfway_near"] {
         let pick = Action::Edit(EditAction::Pick(Target::Landmark(landmark.into())));
-        window.harness.state_mut().apply([pick]);
+        window.apply(pick);
         window.click(window.image_of(landmark));
     }
     assert!(window.app().current().click_solution().is_some());

@@ -140,7 +140,7 @@ fn a_drawn_ring_is_dragged_to_where_the_picture_shows_it() {
     assert_eq!(frame.clicks[0].target, Some(target));
     assert_ne!(frame.ptz, before, "the camera follows");
     let now = window.app().current().camera.unwrap();
-    let field = super::harness::field();
+    let field = touchline_core::testing::soccer();
     let mark = field.landmark_in_world(field.landmark("penalty_mark_left").unwrap());
     let drawn = now.image_from_world(mark).unwrap();
     assert!(
@@ -181,7 +181,7 @@ fn masks_are_drawn_and_deleted_on_the_picture() {
     assert!(
         (frame.masks[0].width - 160.0).abs() < 1.5 && (frame.masks[0].height - 70.0).abs() < 1.5
     );
-    window.harness.get_by_label("Delete frame mask 1").click();
+    window.press_label("Delete frame mask 1");
     window.harness.run_steps(2);
     assert!(window.app().frame().unwrap().masks.is_empty());
 }

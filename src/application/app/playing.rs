@@ -102,10 +102,11 @@ fn time_s(open: &OpenProject, frame: usize) -> f64 {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, FieldSpec, Frame, VideoFrame};
+    use touchline_documents::document::{Frame, VideoFrame};
+    use touchline_documents::testing::soccer_document;
 
     fn open() -> OpenProject {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         // 25 frames per second, with a gap of one second after frame 4.
         for index in 0..10_u64 {
             let time = index as f64 / 25.0 + if index > 4 { 1.0 } else { 0.0 };
@@ -114,12 +115,7 @@ mod tests {
                 .frames
                 .push(Frame::from_video(video, "main".into(), ImageSize::new(64, 36)).into());
         }
-        OpenProject::new(
-            document,
-            "/match/project.json".into(),
-            "/match".into(),
-            None,
-        )
+        OpenProject::with_document(document)
     }
 
     #[test]

@@ -76,9 +76,9 @@ fn line_at(scene: &OverlayScene<'_>, at: ImagePoint, reach_px: f64) -> Option<Dr
 mod tests {
     use super::*;
     use crate::scene::OverlayStyle;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::field::{FieldModel, builtin};
+    use touchline_core::camera::PtzCamera;
     use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::testing::{TestBase, base_at, soccer};
     use touchline_documents::document::Click;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
@@ -87,22 +87,13 @@ mod tests {
         line_px: 5.0,
     };
 
-    fn field() -> FieldModel {
-        builtin("soccer").unwrap().default_model().unwrap()
-    }
-
     fn camera() -> PtzCamera {
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1000.0))
+        base_at([0.0, -60.0, 18.0], SIZE).aim(0.0, -14.0, 1000.0)
     }
 
     #[test]
     fn a_ring_comes_before_the_line_through_it_and_beside_both_there_is_nothing() {
-        let (field, camera, style) = (field(), camera(), OverlayStyle::default());
+        let (field, camera, style) = (soccer(), camera(), OverlayStyle::default());
         let scene = OverlayScene {
             camera: Some(&camera),
             ..OverlayScene::new(&field, SIZE, &style)
@@ -129,9 +120,9 @@ mod tests {
 
     #[test]
     fn what_is_not_drawn_cannot_be_grabbed() {
-        let (field, camera) = (field(), camera());
+        let (field, camera) = (soccer(), camera());
         let mark = field.landmark_in_world(field.landmark("penalty_mark_left").unwrap());
-        let look_left = PtzCamera::new(*camera.base(), Ptz::from_degrees(-35.0, -12.0, 1500.0));
+        let look_left = camera.base().aim(-35.0, -12.0, 1500.0);
         let ring = look_left.image_from_world(mark).unwrap();
         let style = OverlayStyle::default();
         let scene = OverlayScene {

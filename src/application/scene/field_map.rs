@@ -337,9 +337,8 @@ mod tests {
     use super::*;
     use crate::scene::OverlayStyle;
     use std::collections::BTreeMap;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::field::builtin;
-    use touchline_core::geometry::Angle;
+    use touchline_core::testing::{TestBase, turned_base};
 
     const SIZE: ImageSize = ImageSize::new(640, 360);
 
@@ -351,16 +350,7 @@ mod tests {
     }
 
     fn camera(y_m: f64, heading_deg: f64) -> PtzCamera {
-        let angles = BaseAngles {
-            heading: Angle::from_degrees(heading_deg),
-            ..BaseAngles::default()
-        };
-        let base = CameraBase::new(
-            Vec3::new(0.0, y_m, 18.0),
-            angles.base_from_world(),
-            SIZE.centre(),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(0.0, -16.0, 900.0))
+        turned_base([0.0, y_m, 18.0], [heading_deg, 0.0, 0.0], SIZE).aim(0.0, -16.0, 900.0)
     }
 
     #[test]

@@ -402,9 +402,8 @@ const fn drawing_point(point: ImagePoint) -> [f32; 2] {
 mod tests {
     use super::*;
     use std::collections::BTreeMap;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
     use touchline_core::field::{LandmarkId, LineId, builtin};
-    use touchline_core::geometry::Vec3;
+    use touchline_core::testing::{TestBase, base_at, pixel_box};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -416,12 +415,7 @@ mod tests {
     }
 
     fn camera() -> PtzCamera {
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1800.0))
+        base_at([0.0, -60.0, 18.0], SIZE).aim(0.0, -14.0, 1800.0)
     }
 
     fn scene<'a>(
@@ -560,12 +554,7 @@ mod tests {
 
     #[test]
     fn a_mask_is_a_box_with_a_border() {
-        let drawing = mask_overlay(&[PixelBox {
-            x: 10.0,
-            y: 20.0,
-            width: 30.0,
-            height: 40.0,
-        }]);
+        let drawing = mask_overlay(&[pixel_box(10.0, 20.0, 30.0, 40.0)]);
         assert_eq!(
             drawing.areas[0].corners,
             [[10.0, 20.0], [40.0, 20.0], [40.0, 60.0], [10.0, 60.0]]

@@ -239,20 +239,17 @@ pub fn line_pieces(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Vec<Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::BaseAngles;
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::Vec3;
+    use touchline_core::testing::{base_at, soccer};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn base() -> CameraBase {
-        let level = BaseAngles::default().base_from_world();
-        CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, SIZE.centre())
+        base_at([0.0, -60.0, 15.0], SIZE)
     }
 
     #[test]
     fn the_map_shows_paint_under_the_lines_and_leads_to_the_frame() {
-        let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
+        let (base, field) = (base(), soccer());
         // Also across the back, where pan wraps.
         for turned in [0.0, 178.0] {
             let frames = [-15.0, 0.0, 15.0]
@@ -292,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_map_contains_its_frames_also_if_it_is_wider_than_half_a_turn() {
-        let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
+        let (base, field) = (base(), soccer());
         let frames = [0.0, -100.0, 100.0].map(|pan| (Ptz::from_degrees(pan, -13.0, 1400.0), SIZE));
         let scene = PaintMapScene {
             base: &base,
@@ -315,7 +312,7 @@ mod tests {
 
     #[test]
     fn without_frames_there_is_no_map() {
-        let (base, field) = (base(), builtin("soccer").unwrap().default_model().unwrap());
+        let (base, field) = (base(), soccer());
         assert!(
             PaintMapFrame::from_scene(&PaintMapScene {
                 base: &base,

@@ -205,12 +205,12 @@ fn doubt(frame: &Frame) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, FramePtz, PaintEvidence, Solution, VideoFrame};
+    use touchline_documents::document::{PaintEvidence, Solution, VideoFrame};
+    use touchline_documents::testing::{ptz_at, soccer_document};
 
     fn document() -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in 0..10 {
             let video = VideoFrame::new("match.mp4", index, None);
             document
@@ -236,7 +236,7 @@ mod tests {
             }),
             ..Solution::default()
         });
-        document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 900.0), None));
+        document.frames[2].ptz = ptz_at(0.0, -9.0, 900.0);
         for frame in 8..10 {
             document.frames[frame].status = FrameStatus::Rejected;
         }
@@ -276,7 +276,7 @@ mod tests {
             10
         );
         assert_eq!(
-            Timeline::from_document(&Document::new(FieldSpec::new("soccer")), "match.mp4", 5).parts,
+            Timeline::from_document(&soccer_document(), "match.mp4", 5).parts,
             []
         );
     }

@@ -232,28 +232,22 @@ fn resample_polyline(points: &[ImagePoint], step_px: f64) -> Vec<ImagePoint> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz};
-    use touchline_core::field::builtin;
+    use touchline_core::camera::{BaseSigma, CameraBase};
     use touchline_core::geometry::Vec3;
     use touchline_core::solve::Observation;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::{SIZE, TestBase, base_at, soccer};
 
     fn solved() -> (FieldModel, PtzCamera, Uncertainty) {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let base = CameraBase {
             sigma: BaseSigma {
                 position_m: Vec3::repeat(0.2),
                 rotation: Vec3::new(1e-3, 1e-3, 0.0),
                 ..BaseSigma::default()
             },
-            ..CameraBase::new(
-                Vec3::new(0.0, -60.0, 18.0),
-                BaseAngles::default().base_from_world(),
-                SIZE.centre(),
-            )
+            ..base_at([0.0, -60.0, 18.0], SIZE)
         };
-        let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -13.0, 1500.0));
+        let camera = base.aim(0.0, -13.0, 1500.0);
         let click = |name: &str| {
             let at = camera
                 .image_from_world(field.landmark(name).unwrap().nominal_m)

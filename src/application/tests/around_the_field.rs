@@ -6,15 +6,17 @@ use touchline_application::app::naming::{NamingScene, TakenName, candidates};
 use touchline_application::app::quality::{Course, Quantity, TimeAxis};
 use touchline_calibration::calibrate::{Disagreements, FrameLookup, calibrate, choose_gold};
 use touchline_calibration::proposals::{Coverage, LabelNext, label_advice};
-use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
-use touchline_core::field::{FieldModel, Symmetry, builtin};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::field::Symmetry;
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::{Observation, WarningCode};
+use touchline_core::testing::{base_at, soccer};
 use touchline_documents::document::{
-    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution,
-    SolutionSource, SolutionWarning, Target, VideoFrame,
+    Camera, Click, Clip, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+    SolutionWarning, Target, VideoFrame,
 };
+use touchline_documents::testing::match_from;
 use touchline_vision::relocalize::SeenRange;
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
@@ -30,11 +32,7 @@ struct FilmingPosition {
 
 impl FilmingPosition {
     fn new(name: &'static str, position_m: [f64; 3]) -> Self {
-        let base = CameraBase::new(
-            Vec3::from(position_m),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
+        let base = base_at(position_m, SIZE);
         Self {
             name,
             base,
@@ -61,11 +59,7 @@ impl FilmingPosition {
     }
 
     fn document(&self) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&self.base);
-        document.cameras.push(camera.into());
-        document
+        match_from(&self.base, SIZE)
     }
 
     /// A frame of one video that looks this far to the right.
@@ -79,7 +73,7 @@ impl FilmingPosition {
 
     /// The landmarks that a camera here shows, with where.
     fn visible_landmarks(&self, ptz: Ptz) -> Vec<(String, ImagePoint)> {
-        let field = field();
+        let field = soccer();
         let camera = PtzCamera::new(self.base, ptz);
         let image = |landmark| {
             camera
@@ -115,7 +109,7 @@ impl FilmingPosition {
             &document,
             &FrameLookup::from_document(&document),
             &document.frames[index],
-            &field(),
+            &soccer(),
             index,
         )
         .unwrap();
@@ -130,10 +124,6 @@ impl FilmingPosition {
             .find(|warning| warning.code == WarningCode::Implausible);
         warning.map(|warning| warning.message)
     }
-}
-
-fn field() -> FieldModel {
-    builtin("soccer").unwrap().default_model().unwrap()
 }
 
 #[test]
@@ -197,7 +187,7 @@ fn a_camera_that_pans_over_the_seam_does_not_jump() {
 /// The names for the second click of a frame that nothing else is known of, in their order; the
 /// right one's rank.
 fn names(place: &FilmingPosition, right_deg: f64) -> (Vec<String>, usize) {
-    let (field, ptz) = (field(), place.looks(right_deg));
+    let (field, ptz) = (soccer(), place.looks(right_deg));
     let shown = place.visible_landmarks(ptz);
     let left = shown.iter().min_by(|a, b| a.1.x.total_cmp(&b.1.x)).unwrap();
     let right = shown.iter().max_by(|a, b| a.1.x.total_cmp(&b.1.x)).unwrap();
@@ -228,7 +218,7 @@ fn names_are_ranked_alike_from_every_side() {
     let [main, far, left, right] = FilmingPosition::all();
     for right_deg in [-20.0, -3.0, 4.0, 15.0] {
         // The far side sees what the main stand sees of the field turned by half a turn.
-        let (field, (on_main, rank)) = (field(), names(&main, right_deg));
+        let (field, (on_main, rank)) = (soccer(), names(&main, right_deg));
         let turned = on_main.iter().map(|name| {
             let twin = Symmetry::Turn180
                 .landmark_twin(&field, field.landmark(name).unwrap())
@@ -261,7 +251,7 @@ fn the_map_of_what_references_see_is_the_same_from_the_far_side() {
                     .into(),
             );
         }
-        Coverage::measure(&document, &field(), &"main".into(), &[0, 1, 2]).unwrap()
+        Coverage::measure(&document, &soccer(), &"main".into(), &[0, 1, 2]).unwrap()
     };
     let (on_main, on_far) = (coverage(&main), coverage(&far));
     assert_eq!(on_main.cells, on_far.cells);
@@ -410,7 +400,7 @@ fn frames_drawn_from_every_side_are_found_again() {
     use touchline_vision::synthetic::{CameraMotion, PathStep, Preset, StadiumOptions, stadium};
 
     const SMALL: ImageSize = ImageSize::new(640, 360);
-    let scene = stadium(&StadiumOptions::new(field(), 5));
+    let scene = stadium(&StadiumOptions::new(soccer(), 5));
     let shoot = Preset::Easy.shoot();
     // Drawing takes its time: a seam in the middle of what is taught, and a camera behind a goal.
     let [_, far, _, right_goal] = FilmingPosition::all();

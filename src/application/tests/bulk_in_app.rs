@@ -1,82 +1,54 @@
 //! Changes after which many frames are solved again: in the background, as one step of undo,
 //! and without overwriting edits.
 
-use crate::bench::without_counts;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use touchline_application::app::operation::{Job, Operation};
 use touchline_application::app::operations::BulkSolving;
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{
-    Action, App, CameraChoice, Command, EditAction, Effect, Navigation, Opened, PointerAction,
-    Settings,
+    Action, App, CameraChoice, Command, EditAction, Effect, Navigation, PointerAction,
 };
 use touchline_application::jobs::SharedPictures;
+use touchline_application::testing::without_counts;
 use touchline_calibration::calibrate::{BulkChange, BulkError, BulkSolve};
-use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline_core::field::builtin;
-use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::geometry::ImagePoint;
 use touchline_core::progress::{Progress, Share};
+use touchline_core::testing::{SIZE, base_at, ground_landmarks, pixel_box, soccer};
 use touchline_documents::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+    Camera, Click, Document, FramePtz, FrameStatus, SolutionSource,
 };
+use touchline_documents::testing::{match_from, new_frame, solved_by};
 
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const FRAMES: usize = 210;
 /// A frame that is edited while the others are solved.
 const EDITED: usize = 7;
 
 fn base(height_m: f64) -> CameraBase {
-    CameraBase::new(
-        Vec3::new(1.0, -64.0, height_m),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
+    base_at([1.0, -64.0, height_m], SIZE)
 }
 
 /// Frames that are clicked, solved and accepted; the last one is a suggestion without clicks.
 fn document() -> Document {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base(18.0));
-    document.cameras.push(camera.into());
+    let field = soccer();
+    let mut document = match_from(&base(18.0), SIZE);
     for index in 0..FRAMES {
         let ptz = Ptz::from_degrees(20.0 * (index as f64 / 40.0).sin(), -13.0, 2300.0);
         let pointed = PtzCamera::new(base(18.0), ptz);
-        let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
-        let image = |landmark| {
-            pointed
-                .image_from_world(field.landmark_in_world(landmark))
-                .ok()
-        };
-        let shown = field
-            .landmarks
-            .iter()
-            .filter(|landmark| landmark.nominal_m.z == 0.0);
-        let shown = shown.filter_map(|landmark| {
-            Some((
-                landmark,
-                image(landmark).filter(|image| SIZE.contains(*image))?,
-            ))
-        });
-        frame.clicks = shown
+        let mut frame = new_frame(&format!("{index}.jpg"), SIZE);
+        frame.clicks = ground_landmarks(&field, &pointed)
+            .filter(|(_, _, image)| SIZE.contains(*image))
             .take(2)
-            .map(|(landmark, image)| Click::landmark(landmark.id.clone(), image))
+            .map(|(_, landmark, image)| Click::landmark(landmark.id.clone(), image))
             .collect();
         frame.status = FrameStatus::Reference;
         frame.ptz = Some(FramePtz::new(ptz, None));
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Clicks),
-            ..Solution::default()
-        });
+        frame.solution = solved_by(SolutionSource::Clicks);
         if index + 1 == FRAMES {
             frame.clicks.clear();
             frame.status = FrameStatus::Suggested;
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Forest),
-                ..Solution::default()
-            });
+            frame.solution = solved_by(SolutionSource::Forest);
         }
         document.frames.push(frame.into());
     }
@@ -84,12 +56,7 @@ fn document() -> Document {
 }
 
 fn open(document: Document) -> App {
-    let mut app = App::new(Settings::default());
-    app.update(Action::Opened(Box::new(Opened::new(
-        document,
-        "/match/project.json",
-    ))));
-    app
+    App::with_document(document)
 }
 
 /// The camera with another height.
@@ -423,12 +390,7 @@ fn a_mask_that_is_drawn_meanwhile_stays() {
     let mut app = open(document());
     let change = higher(&app, 18.5);
     let order = bulk_job(app.update(change)).expect("many frames");
-    let mask = PixelBox {
-        x: 60.0,
-        y: 40.0,
-        width: 300.0,
-        height: 50.0,
-    };
+    let mask = pixel_box(60.0, 40.0, 300.0, 50.0);
     app.update(Action::Edit(EditAction::AddMask {
         of_camera: true,
         mask,

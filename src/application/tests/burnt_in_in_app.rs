@@ -10,9 +10,9 @@ use touchline_application::app::{
     Action, App, Command, EditAction, MaskList, Navigation, Opened, Settings, Tool, ViewAction,
 };
 use touchline_calibration::proposals::FoundMask;
-use touchline_documents::document::{
-    Camera, Document, Extra, FieldSpec, Frame, MaskSource, RangedMask,
-};
+use touchline_core::testing::{TestBase, soccer};
+use touchline_documents::document::{Document, Extra, MaskSource, RangedMask};
+use touchline_documents::testing::{a_match, new_frame};
 
 pub fn found_mask(from: Option<u64>, to: Option<u64>) -> FoundMask {
     let mask = RangedMask {
@@ -140,24 +140,17 @@ fn a_closed_question_shows_nothing_and_what_is_masked_causes_no_new_question() {
 #[test]
 fn a_drawn_match_with_a_score_bug_causes_a_question_after_opening() {
     use crate::headless::Headless;
-    use touchline_core::camera::{Ptz, PtzCamera};
-    use touchline_core::field::builtin;
     use touchline_core::geometry::ImageSize;
     use touchline_vision::synthetic::{FrameOptions, Graphics, Preset, StadiumOptions, stadium};
 
     const DRAWN: ImageSize = ImageSize::new(640, 360);
     let folder = tempfile::tempdir().unwrap();
-    let scene = stadium(&StadiumOptions::new(
-        builtin("soccer").unwrap().default_model().unwrap(),
-        7,
-    ));
+    let scene = stadium(&StadiumOptions::new(soccer(), 7));
     let base = Preset::Easy.shoot().main_camera(DRAWN);
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), DRAWN).into());
+
+    let mut document = a_match(DRAWN);
     for (index, pan_deg) in [-22.0, -9.0, 4.0, 18.0].into_iter().enumerate() {
-        let camera = PtzCamera::new(base, Ptz::from_degrees(pan_deg, -11.0, 1100.0));
+        let camera = base.aim(pan_deg, -11.0, 1100.0);
         let graphics = Graphics {
             score_bug: true,
             ..Graphics::default()
@@ -173,9 +166,7 @@ fn a_drawn_match_with_a_score_bug_causes_a_question_after_opening() {
             .image
             .save(folder.path().join(&name))
             .unwrap();
-        document
-            .frames
-            .push(Frame::from_image(&name, "main".into(), DRAWN).into());
+        document.frames.push(new_frame(&name, DRAWN).into());
     }
     let text = touchline_documents::document::document_to_string(&document).unwrap();
     std::fs::write(folder.path().join("project.json"), text).unwrap();

@@ -2,14 +2,15 @@
 //! and applied as one step of undo, and of two possible results each can be tried.
 #![cfg(feature = "opencv")]
 
-use crate::bench::{Bench, base, landmark_in, without_counts};
-use crate::proposed::blank;
+use crate::bench::Bench;
 use touchline_application::app::guidance::next_step;
 use touchline_application::app::operation::{Breakdown, Failure};
 use touchline_application::app::operations::CameraSearch;
 use touchline_application::app::operations::camera_search::SearchFollowUp;
 use touchline_application::app::session::{Dialog, Level, SidePanel};
 use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction};
+use touchline_application::testing::proposed::blank;
+use touchline_application::testing::{base, landmark_in, without_counts};
 use touchline_calibration::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationProgress, DecidingLandmark, Doubt,
     WantedClicks,
@@ -19,6 +20,7 @@ use touchline_calibration::calibrate::{
 };
 use touchline_core::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
+use touchline_core::testing::soccer;
 use touchline_documents::document::{Camera, Click, Document, FrameStatus, SolutionSource, Target};
 
 /// Frames of a camera of which nothing is known.
@@ -56,10 +58,7 @@ pub fn found_camera(frames: usize, sideways_m: f64) -> AutocalibratedCamera {
             unaligned_score: None,
         })
         .collect();
-    let field = touchline_core::field::builtin("soccer")
-        .unwrap()
-        .default_model()
-        .unwrap();
+    let field = soccer();
     let evidence = AutocalibrationEvidence::default();
     AutocalibratedCamera {
         base,
@@ -178,13 +177,7 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
         "{}",
         bench.last_notice()
     );
-    assert!(
-        bench
-            .last_notice()
-            .contains("known to ±0.5 m. 0 of 4 frames agree"),
-        "{}",
-        bench.last_notice()
-    );
+    bench.assert_notice("known to ±0.5 m. 0 of 4 frames agree");
 
     let open = bench.app.open().unwrap();
     assert_eq!(

@@ -3,11 +3,8 @@
 //! the window, the document, a copy beside it or a journal, until that person takes it back.
 //! `TOUCHLINE_SEQUENCES=10000` makes more of it; each sequence follows from its number.
 
-use crate::bench::{SIZE, base, landmark_in};
 use crate::headless::Headless;
 use crate::outside::{accept, new_project};
-use crate::proposed::proposal_in;
-use crate::seeded::rng;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,10 +17,14 @@ use touchline_application::app::session::{Dialog, Notice, Saving};
 use touchline_application::app::{
     Action, App, Command, EditAction, Navigation, OutsideChoice, TrainerReport, ViewAction,
 };
+use touchline_application::testing::proposed::proposal_in;
+use touchline_application::testing::{base, landmark_in};
 use touchline_calibration::calibrate::{check_solutions, solve_document};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_core::progress::Progress;
+use touchline_core::testing::SIZE;
+use touchline_core::testing::seeded::rng;
 use touchline_documents::document::{
     Click, Document, Frame, FrameStatus, document_from_bytes, document_to_string,
 };
@@ -242,7 +243,7 @@ impl World {
         // Another touchline counts its edits, a script does not.
         document.frames[frame].revision += self.random.random_range(0..2);
         let before = self.everything();
-        fs::write(&file, document_to_string(&document).unwrap()).unwrap();
+        touchline_documents::testing::save(&file, &document);
         let after = self.lasting();
         self.live
             .retain(|mark| after.contains(mark) || !before.contains(mark));

@@ -11,17 +11,8 @@
 #[path = "../../../tests/shared/bench.rs"]
 mod bench;
 #[allow(dead_code, reason = "shared by several crates")]
-#[path = "../../../tests/shared/child.rs"]
-mod child;
-#[allow(dead_code, reason = "shared by several crates")]
 #[path = "../../../tests/shared/headless.rs"]
 mod headless;
-#[allow(dead_code, reason = "shared by several crates")]
-#[path = "../../../tests/shared/proposed.rs"]
-mod proposed;
-#[allow(dead_code, reason = "shared by several crates")]
-#[path = "../../../tests/shared/seeded.rs"]
-mod seeded;
 
 mod app;
 mod around_the_field;

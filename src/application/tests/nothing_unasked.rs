@@ -1,6 +1,6 @@
 //! Nothing is lost unasked: saving that fails, another program's changes, edits of another version.
 
-use crate::headless::Headless;
+use crate::headless::{Headless, project_of};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -9,27 +9,15 @@ use touchline_application::app::{
     Action, Command, EditAction, Navigation, OutsideChoice, Question, ViewAction,
 };
 use touchline_application::jobs::Request;
-use touchline_core::geometry::ImageSize;
-use touchline_documents::document::{Document, FieldSpec, Frame};
-use touchline_documents::store::{Access, Location, Store, open, read};
+use touchline_core::testing::HD;
+use touchline_documents::document::Document;
+use touchline_documents::store::{Access, open, read};
+use touchline_documents::testing::{WithFrames, save, soccer_document};
 
 const FRAMES: [&str; 3] = ["a.jpg", "b.jpg", "c.jpg"];
 
 fn new_project() -> (TempDir, PathBuf) {
-    let root = tempfile::tempdir().unwrap();
-    let path = root.path().join("match");
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let frame =
-        |name: &&str| Frame::from_image(name, "main".into(), ImageSize::new(1280, 720)).into();
-    document.frames = FRAMES.iter().map(frame).collect();
-    drop(
-        Store::create(
-            &Location::for_new_document(&path.join("")).unwrap(),
-            &document,
-        )
-        .unwrap(),
-    );
-    (root, path)
+    project_of(&soccer_document().with_pictures(FRAMES, HD))
 }
 
 /// Writes a comment on a frame.
@@ -39,9 +27,7 @@ fn comment(headless: &mut Headless, frame: usize, text: &str) {
 }
 
 fn wait_until_saved(headless: &mut Headless) {
-    headless.wait_until("saving", |app| {
-        matches!(app.session.disk.saving, Saving::Saved { .. })
-    });
+    headless.wait_until_saved();
 }
 
 fn comments(document: &Document) -> Vec<String> {
@@ -58,11 +44,7 @@ fn write_outside(path: &Path, frame: usize, text: &str) {
     let bytes = fs::read(&file).unwrap();
     let mut document = touchline_documents::document::document_from_bytes(&bytes).unwrap();
     document.frames[frame].comment = Some(text.to_owned());
-    fs::write(
-        &file,
-        touchline_documents::document::document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(&file, &document);
 }
 
 /// A window on a project whose disk takes nothing any more, with an edit that is only in memory.
@@ -121,9 +103,7 @@ fn a_disk_that_takes_again_what_it_refused_lets_the_window_close() {
     let (mut headless, away) = with_a_refusing_disk(&root, &path);
     fs::rename(away, &path).unwrap();
     headless.act(Action::CloseRequested);
-    headless.wait_until("saving", |app| {
-        matches!(app.session.disk.saving, Saving::Saved { .. })
-    });
+    headless.wait_until_saved();
     headless.wait_until("closing", |app| app.session.dialog.is_none());
     assert!(headless.requests.contains(&Request::Close));
     assert!(headless.runner.close().is_empty());

@@ -1,10 +1,10 @@
 //! What holds of every operation of the application, whichever it is.
 
 use crate::bench::Bench;
-use crate::proposed::{blank, suggestions};
 use touchline_application::app::operation::{Job, Operation};
 use touchline_application::app::operations::Comparison;
 use touchline_application::app::{Action, App, Effect, Opened, Settings};
+use touchline_application::testing::proposed::{blank, suggestions};
 
 /// What was started.
 fn jobs(effects: &[Effect]) -> Vec<Job> {

@@ -1,8 +1,7 @@
 //! Another program replaces the document while it is open: whatever is chosen, no edit of a person
 //! is lost.
 
-use crate::bench::{SIZE, base, landmark_in};
-use crate::headless::Headless;
+use crate::headless::{Headless, project_of};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -11,38 +10,26 @@ use touchline_application::app::{
     Action, Command, EditAction, Navigation, OutsideChoice, PointerAction, ViewAction,
 };
 use touchline_application::jobs::Request;
+use touchline_application::testing::{base, landmark_in};
 use touchline_calibration::calibrate::check_solutions;
-use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::camera::CameraBase;
 use touchline_core::geometry::Vec3;
+use touchline_core::testing::SIZE;
+use touchline_core::testing::TestBase;
 use touchline_documents::document::{
-    Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target,
-    document_from_bytes, document_to_string,
+    Document, Frame, FrameStatus, Solution, SolutionSource, Target, document_to_string,
 };
-use touchline_documents::store::{Location, Store, read};
+use touchline_documents::store::read;
+use touchline_documents::testing::{WithFrames, load, match_from, ptz_at};
 
 pub fn new_project(frames: usize) -> (TempDir, PathBuf) {
-    let root = tempfile::tempdir().unwrap();
-    let path = root.path().join("match");
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
-    let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into();
-    document.frames.extend((0..frames).map(frame));
-    drop(
-        Store::create(
-            &Location::for_new_document(&path.join("")).unwrap(),
-            &document,
-        )
-        .unwrap(),
-    );
-    (root, path)
+    project_of(&match_from(&base(), SIZE).with_numbered(frames, SIZE))
 }
 
 /// Clicks two landmarks in a frame and accepts it.
 pub fn accept(headless: &mut Headless, frame: usize, pan_deg: f64) {
     headless.act(Action::Navigate(Navigation::GoTo(frame)));
-    let camera = PtzCamera::new(base(), Ptz::from_degrees(pan_deg, -14.0, 2300.0));
+    let camera = base().aim(pan_deg, -14.0, 2300.0);
     for landmark in ["centre_mark", "halfway_far"] {
         headless.act(Action::Pointer(PointerAction::Press {
             at: landmark_in(&camera, landmark),
@@ -88,7 +75,7 @@ pub fn is_written(open: &touchline_application::app::OpenProject) -> bool {
 /// Another program edits the file.
 fn write_outside(path: &Path, edit: impl FnOnce(&mut Document)) -> Vec<u8> {
     let file = path.join("project.json");
-    let mut document = document_from_bytes(&fs::read(&file).unwrap()).unwrap();
+    let mut document = load(&file);
     edit(&mut document);
     let text = document_to_string(&document).unwrap();
     fs::write(&file, &text).unwrap();
@@ -96,7 +83,7 @@ fn write_outside(path: &Path, edit: impl FnOnce(&mut Document)) -> Vec<u8> {
 }
 
 fn on_disk(path: &Path) -> Document {
-    document_from_bytes(&fs::read(path.join("project.json")).unwrap()).unwrap()
+    load(path.join("project.json"))
 }
 
 fn statuses(document: &Document) -> Vec<FrameStatus> {
@@ -159,7 +146,7 @@ fn what_the_window_holds_is_kept_beside_as_soon_as_a_change_is_seen() {
     let (_root, path) = new_project(2);
     let mut headless = set_back(&path);
     ask(&mut headless);
-    let own = document_from_bytes(&fs::read(path.join("project.json.mine-1")).unwrap()).unwrap();
+    let own = load(path.join("project.json.mine-1"));
     assert_eq!(own.frames, headless.app.open().unwrap().document.frames);
     assert_eq!(orphaned_edits(&headless), ["Changes in 0.jpg"]);
     // Edits that come after it are kept as well.
@@ -272,7 +259,7 @@ fn opening_another_project_after_saving_still_opens_it() {
 
 /// Shows a proposal in a frame, as the program writes it.
 fn propose(frame: &mut Frame) {
-    frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+    frame.ptz = ptz_at(1.0, -9.0, 900.0);
     frame.status = FrameStatus::Suggested;
     let solution = Solution {
         source: Some(SolutionSource::Forest),
@@ -291,9 +278,7 @@ fn a_proposal_beats_no_label_of_another_person() {
     let mut headless = Headless::open(&path);
     headless.act(Action::Navigate(Navigation::GoTo(2)));
     headless.act(Action::Edit(EditAction::SetComment("mine".to_owned())));
-    headless.wait_until("saving", |app| {
-        matches!(app.session.disk.saving, Saving::Saved { .. })
-    });
+    headless.wait_until_saved();
     // The colleague accepts the first two.
     let accepted = {
         let (_root, path) = new_project(3);
@@ -333,9 +318,7 @@ fn a_reference_is_solved_again_where_the_merge_takes_another_base() {
     let (_root, path) = new_project(2);
     let mut headless = Headless::open(&path);
     accept(&mut headless, 0, -4.0);
-    headless.wait_until("saving", |app| {
-        matches!(app.session.disk.saving, Saving::Saved { .. })
-    });
+    headless.wait_until_saved();
     let moved = CameraBase {
         position_m: Vec3::new(6.0, -60.0, 19.0),
         ..base()

@@ -2,30 +2,17 @@
 //! frames.
 
 use touchline_application::app::place::FrameOrTime;
-use touchline_application::app::{Action, App, Navigation, Opened, Settings};
+use touchline_application::app::{Action, App, Navigation};
 use touchline_core::geometry::ImageSize;
-use touchline_documents::document::{Camera, Document, FieldSpec, Frame, VideoFrame};
+use touchline_documents::testing::{WithFrames, a_match, new_video_frame};
 
 /// Every fifth of a hundred frames of one video, then ten of another one.
 fn app_with_samples() -> App {
     let size = ImageSize::new(64, 36);
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), size).into());
     let one = (0..100).step_by(5).map(|index| ("one.mp4", index));
-    for (video, index) in one.chain((0..10).map(|index| ("other.mp4", index))) {
-        let video = VideoFrame::new(video, index, Some(index as f64 / 25.0));
-        document
-            .frames
-            .push(Frame::from_video(video, "main".into(), size).into());
-    }
-    let mut app = App::new(Settings::default());
-    app.update(Action::Opened(Box::new(Opened::new(
-        document,
-        "/match/project.json",
-    ))));
-    app
+    let all = one.chain((0..10).map(|index| ("other.mp4", index)));
+    let frames = all.map(|(video, index)| new_video_frame(video, index, size));
+    App::with_document(a_match(size).with_frames(frames))
 }
 
 /// The number of the frame that is shown after going to a place, and what was said.

@@ -2,31 +2,24 @@
 //! export, reopen.
 
 use crate::headless::Headless;
-use touchline_application::app::session::Saving;
 use touchline_application::app::{Action, Command, EditAction, PointerAction, Question};
 use touchline_application::jobs::PictureState;
-use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline_core::field::builtin;
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_documents::document::{
-    Camera, Document, FieldSpec, FrameStatus, Target, document_from_bytes, document_to_string,
-};
+use touchline_core::camera::PtzCamera;
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::testing::{TestBase, base_at, soccer};
+use touchline_documents::document::{Camera, FrameStatus, Target};
 use touchline_documents::exchange::Format;
+use touchline_documents::testing::{load, save, soccer_document};
 
 const SIZE: ImageSize = ImageSize::new(640, 360);
 
 fn truth() -> PtzCamera {
-    let base = CameraBase::new(
-        Vec3::new(1.0, -62.0, 17.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    );
-    PtzCamera::new(base, Ptz::from_degrees(2.0, -13.0, 760.0))
+    base_at([1.0, -62.0, 17.0], SIZE).aim(2.0, -13.0, 760.0)
 }
 
 /// Clicks a landmark where the truth has it.
 fn click(headless: &mut Headless, landmark: &str) {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let field = soccer();
     let landmark = field.landmark(landmark).unwrap();
     let at = truth()
         .image_from_world(field.landmark_in_world(landmark))
@@ -50,12 +43,12 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
             .save(frames.join(name))
             .unwrap();
     }
-    let mut other = Document::new(FieldSpec::new("soccer"));
+    let mut other = soccer_document();
     let mut camera = Camera::new("gantry".into(), SIZE);
     camera.set_base(truth().base());
     other.cameras.push(camera.into());
     let camera_file = root.path().join("camera.json");
-    std::fs::write(&camera_file, document_to_string(&other).unwrap()).unwrap();
+    save(&camera_file, &other);
 
     let mut headless = Headless::open(&frames);
     let PictureState::Ready(_, picture) = headless.wait_for_picture() else {
@@ -82,9 +75,7 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     let ptz = headless.app.frame().unwrap().ptz.as_ref().unwrap().ptz();
     assert!((ptz.focal_px - 760.0).abs() < 1e-6, "{ptz:?}");
     headless.act(Action::Command(Command::Accept));
-    headless.wait_until("saving", |app| {
-        matches!(app.session.disk.saving, Saving::Saved { .. })
-    });
+    headless.wait_until_saved();
     let labelled = headless.app.open().unwrap().document.clone();
 
     let dataset = root.path().join("out").join("dataset.json");
@@ -97,7 +88,7 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
             .iter()
             .any(|n| n.text.starts_with("1 frame written as json"))
     });
-    let exported = document_from_bytes(&std::fs::read(&dataset).unwrap()).unwrap();
+    let exported = load(&dataset);
     assert_eq!(exported.frames[0].name(), "../frames/1.png");
     assert_eq!(exported.frames[0].ptz, labelled.frames[0].ptz);
 

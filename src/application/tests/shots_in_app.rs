@@ -9,26 +9,15 @@ use touchline_application::app::{
     Action, App, Command, EditAction, Effect, Navigation, Opened, Settings,
 };
 use touchline_core::geometry::ImageSize;
-use touchline_documents::document::{
-    Document, FieldSpec, Frame, FrameStatus, RejectReason, ShotKind, VideoFrame,
-};
+use touchline_documents::document::{Document, FrameStatus, RejectReason, ShotKind};
+use touchline_documents::testing::{WithFrames, a_match, new_video_frame};
 use touchline_vision::media::MediaError;
 
 const FRAMES: u64 = 30;
 
 fn document() -> Document {
     let size = ImageSize::new(64, 36);
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(touchline_documents::document::Camera::new("main".into(), size).into());
-    for index in 0..FRAMES {
-        let video = VideoFrame::new("match.mp4", index, Some(index as f64 / 25.0));
-        document
-            .frames
-            .push(Frame::from_video(video, "main".into(), size).into());
-    }
-    document
+    a_match(size).with_frames((0..FRAMES).map(|index| new_video_frame("match.mp4", index, size)))
 }
 
 /// An application on a document, and the search for cuts that it requested.

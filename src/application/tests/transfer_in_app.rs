@@ -8,42 +8,28 @@ use touchline_application::app::transfer::{PreviewResult, TransferAction, Transf
 use touchline_application::app::{
     Action, Command, EditAction, Navigation, Question, Settings, ViewAction,
 };
-use touchline_core::camera::{BaseAngles, CameraBase, Ptz, Radial};
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_documents::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Frames, Solution,
-    SolutionSource, document_to_string,
-};
+use touchline_core::camera::{Ptz, Radial};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::testing::base_at;
+use touchline_documents::document::{Camera, Click, Frame, FrameStatus, Frames, SolutionSource};
 use touchline_documents::exchange::{DatasetOptions, Format, Gaps, Splitting};
+use touchline_documents::testing::{match_from, new_frame, ptz_at, save, solved_by};
 
 const SIZE: ImageSize = ImageSize::new(160, 90);
 
 /// Four frames with pictures, the first two references with a click each, as a project.
 fn open_project(folder: &Path) -> Headless {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&CameraBase::new(
-        Vec3::new(0.0, -60.0, 18.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    ));
-    document.cameras.push(camera.into());
+    let mut document = match_from(&base_at([0.0, -60.0, 18.0], SIZE), SIZE);
     for index in 0..4_u8 {
         let name = format!("{index:04}.png");
         image::RgbImage::from_pixel(SIZE.width, SIZE.height, image::Rgb([60, 110 + index, 60]))
             .save(folder.join(&name))
             .unwrap();
-        let mut frame = Frame::from_image(&name, "main".into(), SIZE);
+        let mut frame = new_frame(&name, SIZE);
         if index < 2 {
             frame.status = FrameStatus::Reference;
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(f64::from(index) - 38.0, -13.0, 190.0),
-                None,
-            ));
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Clicks),
-                ..Solution::default()
-            });
+            frame.ptz = ptz_at(f64::from(index) - 38.0, -13.0, 190.0);
+            frame.solution = solved_by(SolutionSource::Clicks);
             frame.clicks = vec![Click::landmark(
                 "centre_mark".into(),
                 ImagePoint::new(80.0, 50.0),
@@ -51,11 +37,7 @@ fn open_project(folder: &Path) -> Headless {
         }
         document.frames.push(frame.into());
     }
-    std::fs::write(
-        folder.join("project.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.join("project.json"), &document);
     let mut headless = Headless::new();
     headless.app = touchline_application::app::App::new(Settings {
         snap_points: false,
@@ -134,13 +116,7 @@ fn an_export_is_shown_with_its_losses_before_it_is_written() {
     );
     let out = folder.path().join("out");
     headless.answer(Question::ExportAs(Format::Wc14), &out);
-    headless.wait_until("writing", |app| {
-        app.session
-            .messages
-            .notices
-            .iter()
-            .any(|notice| notice.text.contains("2 frames written as wc14"))
-    });
+    headless.wait_for_notice("writing", "2 frames written as wc14");
     assert!(out.join("0001.homographyMatrix").is_file());
     assert_eq!(headless.app.session.dialog, None);
     // A folder that holds something else gets a new one in it.
@@ -192,13 +168,7 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     );
     let out = folder.path().join("set");
     headless.answer(Question::DatasetTo, &out);
-    headless.wait_until("writing", |app| {
-        app.session
-            .messages
-            .notices
-            .iter()
-            .any(|notice| notice.text.contains("Dataset of 2 frames written"))
-    });
+    headless.wait_for_notice("writing", "Dataset of 2 frames written");
     assert!(
         out.join("manifest.sha256").is_file()
             && out.join("undistorted/images/train/0001.png").is_file()
@@ -289,24 +259,12 @@ fn a_typed_path_replaces_no_file_unasked() {
         Format::Csv,
     ))));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
-    headless.wait_until("the refusal", |app| {
-        app.session
-            .messages
-            .notices
-            .iter()
-            .any(|notice| notice.text.contains("exists"))
-    });
+    headless.wait_for_notice("the refusal", "exists");
     assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
     // The user has confirmed the replacement in the file dialog.
     headless.act(Action::Command(Command::Export));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
-    headless.wait_until("writing", |app| {
-        app.session
-            .messages
-            .notices
-            .iter()
-            .any(|notice| notice.text.contains("written as csv"))
-    });
+    headless.wait_for_notice("writing", "written as csv");
     assert_ne!(std::fs::read_to_string(&precious).unwrap(), "precious");
 }
 
@@ -317,8 +275,7 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
     // Another project brings six frames of its own.
     let other = tempfile::tempdir().unwrap();
     let mut theirs = (*headless.app.open().unwrap().document).clone();
-    let frame =
-        |index: usize| Frame::from_image(&format!("{index}-theirs.png"), "main".into(), SIZE);
+    let frame = |index: usize| new_frame(&format!("{index}-theirs.png"), SIZE);
     theirs.frames = (0..6).map(|index| frame(index).into()).collect();
     for frame in &mut theirs.frames {
         frame.clicks = vec![Click::landmark(
@@ -327,11 +284,7 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
         )];
         frame.status = FrameStatus::Draft;
     }
-    std::fs::write(
-        other.path().join("project.json"),
-        document_to_string(&theirs).unwrap(),
-    )
-    .unwrap();
+    save(other.path().join("project.json"), &theirs);
     headless.act(Action::Command(Command::Import));
     act(&mut headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(
@@ -369,11 +322,7 @@ fn undo_of_an_import_shows_a_frame_that_is_there() {
 /// Imports a document in which this number of frames has a camera of another program.
 fn import_cameras(headless: &mut Headless, folder: &Path, cameras: usize) {
     let mut theirs = (*headless.app.open().unwrap().document).clone();
-    let base = CameraBase::new(
-        Vec3::new(1.0, -62.0, 17.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    );
+    let base = base_at([1.0, -62.0, 17.0], SIZE);
     theirs.cameras.clear();
     theirs.frames = (0..cameras)
         .map(|index| {
@@ -383,16 +332,13 @@ fn import_cameras(headless: &mut Headless, folder: &Path, cameras: usize) {
             let mut frame = Frame::from_image(&name, camera.id.clone(), SIZE);
             frame.point(Ptz::from_degrees(2.0, -12.0, 150.0), Radial::default());
             frame.status = FrameStatus::Suggested;
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Import),
-                ..Solution::default()
-            });
+            frame.solution = solved_by(SolutionSource::Import);
             theirs.cameras.push(camera.into());
             frame.into()
         })
         .collect();
     let file = folder.join("theirs.json");
-    std::fs::write(&file, document_to_string(&theirs).unwrap()).unwrap();
+    save(&file, &theirs);
     headless.act(Action::Command(Command::Import));
     act(headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(Question::ImportFrom(Format::Json), &file);
@@ -429,7 +375,7 @@ fn an_import_that_was_looked_at_before_a_change_is_joined_with_the_change() {
         ImagePoint::new(70.0, 30.0),
     )];
     document.frames[2].status = FrameStatus::Draft;
-    std::fs::write(&labels, document_to_string(&document).unwrap()).unwrap();
+    save(&labels, &document);
     headless.act(Action::Command(Command::Import));
     act(&mut headless, TransferAction::ImportFormat(Format::Json));
     headless.answer(Question::ImportFrom(Format::Json), &labels);
@@ -466,11 +412,7 @@ fn another_picture_in_place_of_a_labelled_one_is_named_on_its_frame() {
             touchline_vision::media::sha256_of_file(&frame.image_path(folder.path()).unwrap()).ok();
     }
     drop(headless);
-    std::fs::write(
-        folder.path().join("project.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.path().join("project.json"), &document);
     image::RgbImage::from_pixel(SIZE.width, SIZE.height, image::Rgb([9, 9, 9]))
         .save(folder.path().join("0001.png"))
         .unwrap();

@@ -1,9 +1,7 @@
 //! Undo survives closing the window, a kill and another program's changes: by actions, with files
 //! on disk.
 
-use crate::bench::{SIZE, base, landmark_in, without_counts};
-use crate::child::{numbers_behind, spawn_test};
-use crate::headless::Headless;
+use crate::headless::{Headless, project_of};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -11,36 +9,23 @@ use touchline_application::app::session::Saving;
 use touchline_application::app::{
     Action, Command, EditAction, Navigation, OutsideChoice, PointerAction,
 };
-use touchline_core::camera::{Ptz, PtzCamera};
-use touchline_core::geometry::{ImagePoint, PixelBox, Vec3};
+use touchline_application::testing::{base, landmark_in, without_counts};
+use touchline_core::geometry::{ImagePoint, Vec3};
+use touchline_core::testing::TestBase;
+use touchline_core::testing::child::{numbers_behind, spawn_test};
+use touchline_core::testing::{SIZE, pixel_box};
 use touchline_documents::document::{
-    Camera, Document, FieldSpec, Frame, RejectReason, Target, document_from_bytes,
-    document_to_string,
+    Camera, Document, FieldSpec, RejectReason, Target, document_to_string,
 };
-use touchline_documents::store::{Location, Store};
+use touchline_documents::testing::{WithFrames, load, match_from};
 
 fn document(frames: usize) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
-    let frame =
-        |index| Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE).into();
-    document.frames.extend((0..frames).map(frame));
-    document
+    let names = (0..frames).map(|index| format!("images/{index:04}.jpg"));
+    match_from(&base(), SIZE).with_pictures(names, SIZE)
 }
 
 fn new_project(frames: usize) -> (TempDir, PathBuf) {
-    let root = tempfile::tempdir().unwrap();
-    let path = root.path().join("match");
-    drop(
-        Store::create(
-            &Location::for_new_document(&path.join("")).unwrap(),
-            &document(frames),
-        )
-        .unwrap(),
-    );
-    (root, path)
+    project_of(&document(frames))
 }
 
 fn notices(headless: &Headless) -> Vec<&str> {
@@ -61,7 +46,7 @@ impl Headless {
 
     /// Clicks where the truth sees a landmark, and names it.
     fn place(&mut self, landmark: &str) {
-        let camera = PtzCamera::new(base(), Ptz::from_degrees(-4.0, -14.0, 2300.0));
+        let camera = base().aim(-4.0, -14.0, 2300.0);
         let at = landmark_in(&camera, landmark);
         self.act(Action::Pointer(PointerAction::Press { at, on: None }));
         self.act(Action::Pointer(PointerAction::Release));
@@ -150,12 +135,7 @@ fn edit_in_many_ways(headless: &mut Headless) {
     headless.act(Action::Edit(EditAction::RejectAs(RejectReason::CloseUp)));
     headless.act(Action::Edit(EditAction::AddMask {
         of_camera: true,
-        mask: PixelBox {
-            x: 10.0,
-            y: 20.0,
-            width: 300.0,
-            height: 80.0,
-        },
+        mask: pixel_box(10.0, 20.0, 300.0, 80.0),
     }));
     // The base moves, and with it what the clicks of the first frame say.
     let mut camera = Camera::clone(&headless.app.open().unwrap().document.cameras[0]);
@@ -197,9 +177,7 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     headless.comment(5, "from outside");
     headless.comment(0, "taken back");
     assert!(headless.undo(Command::Undo));
-    headless.wait_until("saving", |app| {
-        matches!(app.session.disk.saving, Saving::Saved { .. })
-    });
+    headless.wait_until_saved();
     let last = headless.document();
     let open = headless.app.open().unwrap();
     let (document, history) = (open.document.clone(), open.history.clone());
@@ -234,7 +212,7 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     assert!(third.undo(Command::Undo));
     assert_eq!(third.document(), last);
     third.close();
-    let written = document_from_bytes(&fs::read(path.join("project.json")).unwrap()).unwrap();
+    let written = load(path.join("project.json"));
     assert_eq!(
         document_to_string(&without_counts(&written)).unwrap(),
         document_to_string(&last).unwrap()
@@ -274,9 +252,7 @@ fn a_document_to_look_at_only_offers_no_undo() {
     let (_root, path) = new_project(2);
     let mut headless = Headless::open(&path);
     headless.comment(0, "rain");
-    headless.wait_until("saving", |app| {
-        matches!(app.session.disk.saving, Saving::Saved { .. })
-    });
+    headless.wait_until_saved();
     let second = Headless::open(&path);
     let open = second.app.open().unwrap();
     assert!(open.read_only.is_some() && open.history.is_empty());

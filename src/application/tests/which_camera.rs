@@ -1,7 +1,5 @@
 //! Which camera took a frame: one that stops fitting, another that fits better, frames given away.
 
-use crate::bench::without_counts;
-use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
@@ -13,37 +11,24 @@ use touchline_application::app::{
     Settings,
 };
 use touchline_application::jobs::SharedPictures;
+use touchline_application::testing::without_counts;
 use touchline_calibration::calibrate::{
     AssignError, BaseProblem, BulkChange, BulkSolve, FrameLookup, add_camera_like,
     assign_to_camera, camera_change, check_cameras, solve_document,
 };
 use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline_core::field::{FieldModel, builtin};
+use touchline_core::field::builtin;
 use touchline_core::geometry::{Angle, ImageSize, Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 use touchline_core::solve::{Verdict, WarningCode};
-use touchline_documents::document::{
-    Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus,
-};
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
-
-fn field() -> FieldModel {
-    builtin("soccer").unwrap().default_model().unwrap()
-}
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{SIZE, base_at, ground_landmarks, soccer, turned_base};
+use touchline_documents::document::{Camera, Click, Document, FieldSpec, Fields, FrameStatus};
+use touchline_documents::testing::{match_from, new_frame};
 
 fn base() -> CameraBase {
-    let angles = BaseAngles {
-        heading: Angle::ZERO,
-        pitch: Angle::from_degrees(-0.4),
-        roll: Angle::from_degrees(0.2),
-    };
-    CameraBase::new(
-        Vec3::new(2.0, -66.0, 19.0),
-        angles.base_from_world(),
-        SIZE.centre(),
-    )
+    turned_base([2.0, -66.0, 19.0], [0.0, -0.4, 0.2], SIZE)
 }
 
 /// The base after a person walked into the tripod.
@@ -58,11 +43,7 @@ fn bumped_base() -> CameraBase {
 
 /// A camera that stands elsewhere.
 fn elsewhere() -> CameraBase {
-    CameraBase::new(
-        Vec3::new(14.0, -72.0, 26.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
+    base_at([14.0, -72.0, 26.0], SIZE)
 }
 
 /// Frames of a camera that is bumped after the first `before` of them.
@@ -79,11 +60,8 @@ fn document_of(
     noise_px: f64,
     rng: &mut Pcg64Mcg,
 ) -> Document {
-    let field = field();
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
+    let field = soccer();
+    let mut document = match_from(&base(), SIZE);
     while document.frames.len() < frames {
         let index = document.frames.len();
         let truth = if index < before { base() } else { *other };
@@ -93,15 +71,8 @@ fn document_of(
             rng.random_range(1600.0..3000.0),
         );
         let camera = PtzCamera::new(truth, ptz);
-        let mut frame = Frame::from_image(&format!("{index:04}.jpg"), "main".into(), SIZE);
-        for landmark in field
-            .landmarks
-            .iter()
-            .filter(|landmark| landmark.nominal_m.z == 0.0)
-        {
-            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
-                continue;
-            };
+        let mut frame = new_frame(&format!("{index:04}.jpg"), SIZE);
+        for (_, landmark, exact) in ground_landmarks(&field, &camera) {
             let image = exact.translate(Vec2::new(normal(rng), normal(rng)) * noise_px);
             if SIZE.contains(image) {
                 frame
@@ -139,7 +110,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
             &document,
             &FrameLookup::from_document(&document),
             &"main".into(),
-            &field(),
+            &soccer(),
         ) else {
             continue;
         };
@@ -184,7 +155,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
                     &document,
                     &FrameLookup::from_document(&document),
                     &camera.into(),
-                    &field()
+                    &soccer()
                 ),
                 None,
                 "{camera} fits now"
@@ -224,7 +195,7 @@ fn without_a_bump_there_is_no_alarm() {
                 &document,
                 &FrameLookup::from_document(&document),
                 &"main".into(),
-                &field()
+                &soccer()
             ),
             None,
             "round {round}"
@@ -307,12 +278,7 @@ fn frames_that_cannot_be_given_say_why_and_nothing_changes() {
 
 /// The application on a document.
 fn open(document: Document) -> App {
-    let mut app = App::new(Settings::default());
-    app.update(Action::Opened(Box::new(Opened::new(
-        document,
-        "/match/project.json",
-    ))));
-    app
+    App::with_document(document)
 }
 
 fn camera_of(app: &App, frame: usize) -> String {

@@ -13,11 +13,13 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, Autocalibratio
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
-use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
+use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
 use touchline_core::markings::{SampleOptions, sample_lines};
-use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
+use touchline_core::testing::turned_base;
+use touchline_documents::document::Document;
+use touchline_documents::testing::{a_match, new_frame, soccer_document};
 use touchline_vision::features::Features;
 use touchline_vision::media::Picture;
 use touchline_vision::paint::{GroundPicture, MarkingPixels};
@@ -27,15 +29,7 @@ pub const IMAGE_SIZE: ImageSize = ImageSize::new(960, 540);
 
 /// The base of a camera on the main stand, facing the middle of the field.
 pub fn base() -> CameraBase {
-    let angles = BaseAngles {
-        heading: Angle::from_degrees(3.0),
-        ..BaseAngles::default()
-    };
-    CameraBase::new(
-        Vec3::new(-6.0, -62.0, 14.0),
-        angles.base_from_world(),
-        IMAGE_SIZE.centre(),
-    )
+    turned_base([-6.0, -62.0, 14.0], [3.0, 0.0, 0.0], IMAGE_SIZE)
 }
 
 /// Seven views from left to right.
@@ -48,7 +42,7 @@ pub fn ptz() -> Vec<Ptz> {
 }
 
 pub fn soccer() -> FieldPrior {
-    let document = Document::new(FieldSpec::new("soccer"));
+    let document = soccer_document();
     FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap()
 }
 
@@ -228,14 +222,11 @@ pub fn matched_views_with_pixels(field: &FieldModel, views: &[usize]) -> Matched
 
 /// A document whose frames from the tenth on are the views. Nothing is known of them.
 pub fn document() -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), IMAGE_SIZE).into());
+    let mut document = a_match(IMAGE_SIZE);
     for index in 0..10 + ptz().len() {
         document
             .frames
-            .push(Frame::from_image(&format!("{index}.png"), "main".into(), IMAGE_SIZE).into());
+            .push(new_frame(&format!("{index}.png"), IMAGE_SIZE).into());
     }
     document
 }

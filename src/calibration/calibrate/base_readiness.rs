@@ -163,24 +163,23 @@ impl SubAssign for BaseReadiness {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{Click, FramePtz, FrameStatus};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::camera::{BaseAngles, CameraBase};
+    use touchline_core::geometry::{ImagePoint, Vec3};
+    use touchline_core::testing::{SIZE, soccer};
+    use touchline_documents::document::{Click, FrameStatus};
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at};
 
     #[test]
     fn the_next_frame_for_the_base_looks_where_no_wide_one_does() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let turned = BaseAngles {
             pitch: Angle::from_degrees(-2.0),
             ..BaseAngles::default()
         }
         .base_from_world();
         let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turned, SIZE.centre());
-        let mut document = document_with(&base, SIZE);
+        let mut document = match_from(&base, SIZE);
         // The last one is so close up that it shows too few landmarks.
         for (pan_deg, focal_px) in [
             (0.0, 1800.0),
@@ -189,11 +188,8 @@ mod tests {
             (25.0, 1800.0),
             (70.0, 30_000.0),
         ] {
-            let mut frame = Frame::from_image("x.jpg", "main".into(), SIZE);
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(pan_deg, -10.0, focal_px),
-                None,
-            ));
+            let mut frame = new_frame("x.jpg", SIZE);
+            frame.ptz = ptz_at(pan_deg, -10.0, focal_px);
             frame.status = FrameStatus::Draft;
             document.frames.push(frame.into());
         }

@@ -313,15 +313,14 @@ impl BulkChange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::geometry::{ImageSize, PixelBox};
-    use touchline_documents::document::{Camera, FieldSpec};
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::pixel_box;
+    use touchline_documents::document::Camera;
+    use touchline_documents::testing::soccer_document;
 
     #[test]
     fn what_was_changed_beside_the_numbers_meanwhile_stays() {
-        let (size, mut before) = (
-            ImageSize::new(64, 48),
-            Document::new(FieldSpec::new("soccer")),
-        );
+        let (size, mut before) = (ImageSize::new(64, 48), soccer_document());
         before
             .cameras
             .extend(["main", "other"].map(|name| Camera::new(name.into(), size).into()));
@@ -335,12 +334,7 @@ mod tests {
         };
         let solved = solve(&before, change).run(&Progress::default()).unwrap();
         let mut now = before.clone();
-        let mask = PixelBox {
-            x: 1.0,
-            y: 2.0,
-            width: 30.0,
-            height: 8.0,
-        };
+        let mask = pixel_box(1.0, 2.0, 30.0, 8.0);
         now.cameras
             .iter_mut()
             .for_each(|camera| camera.masks.push(mask));

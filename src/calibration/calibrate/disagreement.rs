@@ -290,29 +290,20 @@ fn corners_off_px(own: &PtzCamera, other: &PtzCamera, image_size: ImageSize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
-    use touchline_core::camera::{BaseAngles, CameraBase};
-    use touchline_core::geometry::{ImagePoint, Vec3};
+    use touchline_core::geometry::ImagePoint;
+    use touchline_core::testing::{SIZE, base_at};
     use touchline_documents::document::{Clip, VideoFrame};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at};
 
     /// A shot whose frames look at these pans.
     fn document(pans_deg: &[f64]) -> Document {
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        let mut document = document_with(&base, SIZE);
+        let mut document = match_from(&base_at([0.0, -60.0, 18.0], SIZE), SIZE);
         for (number, &pan_deg) in pans_deg.iter().enumerate() {
             let name = format!("{number}.jpg");
-            let mut frame = Frame::from_image(&name, "main".into(), SIZE);
+            let mut frame = new_frame(&name, SIZE);
             frame.clip = Some(Clip::Number(1));
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(pan_deg, -10.0, 2000.0),
-                None,
-            ));
+            frame.ptz = ptz_at(pan_deg, -10.0, 2000.0);
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
@@ -341,7 +332,7 @@ mod tests {
             (34.0..45.0).contains(&jump[2].unwrap().apart_px),
             "{jump:?}"
         );
-        document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(170.0, -10.0, 2000.0), None));
+        document.frames[2].ptz = ptz_at(170.0, -10.0, 2000.0);
         assert!(
             disagreements(&document)[2].unwrap().apart_px > 10_000.0,
             "it looks the other way"
@@ -357,11 +348,8 @@ mod tests {
             |document| document.frames[2].ptz.as_mut().unwrap().tilt_deg += 1.0,
             |document| document.frames[3].ptz = None,
             |document| {
-                document.cameras[0].set_base(&CameraBase::new(
-                    Vec3::new(0.0, -70.0, 9.0),
-                    BaseAngles::default().base_from_world(),
-                    ImagePoint::new(900.0, 500.0),
-                ));
+                document.cameras[0]
+                    .set_base(&base_at([0.0, -70.0, 9.0], ImagePoint::new(900.0, 500.0)));
             },
             |document| document.frames[1].clip = Some(Clip::Number(2)),
             |document| document.frames[1].clip = Some(Clip::Number(1)),

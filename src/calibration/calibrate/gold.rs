@@ -80,12 +80,13 @@ pub const fn can_choose_gold(gold: usize, others: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_documents::document::fixtures::reference;
-    use touchline_documents::document::{FieldSpec, FrameStatus};
+    use touchline_documents::document::FrameStatus;
+    use touchline_documents::testing::reference;
+    use touchline_documents::testing::soccer_document;
 
     #[test]
     fn chosen_frames_spread_over_landmarks_and_pan() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         let mut draft = reference(90.0, &["halfway_far"]);
         draft.status = FrameStatus::Draft;
         let frames = [

@@ -14,8 +14,6 @@ mod bulk;
 mod check;
 mod clip;
 mod disagreement;
-#[cfg(test)]
-mod fixtures;
 mod frames;
 mod gold;
 mod own_noise;

@@ -374,16 +374,15 @@ fn drop_settled_warnings(solution: &mut Solution) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, Ptz};
-    use touchline_core::geometry::{ImageSize, Mat3, Vec3};
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::{Mat3, Vec3};
     use touchline_core::solve::Uncertainty;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::{SIZE, base_at};
+    use touchline_documents::testing::new_frame;
 
     /// The codes of the warnings that are left of these once the frame is aligned to its paint.
     fn codes_after_alignment(source: SolutionSource, codes: &[&str]) -> Vec<String> {
-        let upright = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -62.0, 17.0), upright, SIZE.centre());
+        let base = base_at([0.0, -62.0, 17.0], SIZE);
         let ptz = Ptz::from_degrees(3.0, -12.0, 2600.0);
         let camera = PtzCamera::new(base, ptz);
         let covariance = Mat3::from_diagonal(&Vec3::new(1e-8, 1e-8, 4.0));
@@ -410,7 +409,7 @@ mod tests {
         let warnings = codes
             .iter()
             .map(|code| SolutionWarning::new(code, "why".to_owned()));
-        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        let mut frame = new_frame("1.jpg", SIZE);
         frame.solution = Some(Solution {
             source: Some(source),
             warnings: warnings.collect(),

@@ -240,25 +240,19 @@ impl GroundComparison {
 mod tests {
     use super::*;
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{Angle, Vec3};
-    use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FramePtz, VideoFrame};
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::Vec3;
+    use touchline_core::testing::turned_base;
+    use touchline_documents::document::{Document, Frame, FramePtz, VideoFrame};
     use touchline_documents::exchange::read_picture_points;
+    use touchline_documents::testing::match_from;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     /// Two frames of a camera 100 m above the ground that looks down: a pixel is 0.1 m wide.
     fn from_above(x_m: f64, focal_px: f64) -> Document {
-        let down = BaseAngles {
-            pitch: Angle::from_degrees(-90.0),
-            ..BaseAngles::default()
-        };
         let position = Vec3::new(x_m, 0.0, 100.0);
-        let base = CameraBase::new(position, down.base_from_world(), SIZE.centre());
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(camera.into());
+        let mut document = match_from(&turned_base(position, [0.0, -90.0, 0.0], SIZE), SIZE);
         for index in 0..2 {
             let video = VideoFrame::new("match.mp4", index, None);
             let ptz = Ptz::from_degrees(0.0, 0.0, focal_px);

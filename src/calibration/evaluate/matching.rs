@@ -122,16 +122,15 @@ fn file_name(path: &str) -> Option<String> {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, FieldSpec, VideoFrame};
+    use touchline_documents::document::{Document, VideoFrame};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     fn document(images: &[&str]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         let size = ImageSize::new(64, 48);
-        document.frames.extend(
-            images
-                .iter()
-                .map(|image| Frame::from_image(image, "main".into(), size).into()),
-        );
+        document
+            .frames
+            .extend(images.iter().map(|image| new_frame(image, size).into()));
         document
     }
 
@@ -178,7 +177,7 @@ mod tests {
 
     #[test]
     fn a_video_frame_is_its_video_and_number() {
-        let mut one = Document::new(FieldSpec::new("soccer"));
+        let mut one = soccer_document();
         for frame_index in [4, 5] {
             let video = VideoFrame::new("match.mp4", frame_index, None);
             one.frames

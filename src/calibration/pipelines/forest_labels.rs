@@ -336,16 +336,17 @@ mod tests {
     use super::*;
     use crate::proposals::Answer;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Camera, FieldSpec, Frame};
+    use touchline_documents::document::Camera;
+    use touchline_documents::testing::{new_frame, soccer_document};
     use touchline_vision::relocalize::NotFound;
 
     #[test]
     fn fine_features_are_for_doubts_that_they_may_end() {
         let size = ImageSize::new(1280, 720);
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         let camera = Camera::new("main".into(), size);
         document.cameras.push(camera.into());
-        let frame = Frame::from_image("a.png", "main".into(), size);
+        let frame = new_frame("a.png", size);
         document.frames.push(frame.into());
         let needs = |outcome| {
             let proposal = Proposal::without_answer(&document, 0, 0, NoProposal::NoBetter);

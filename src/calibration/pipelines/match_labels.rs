@@ -510,19 +510,18 @@ impl Labelling<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, Frame, FramePtz};
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document};
 
     #[test]
     fn a_rejected_frame_wants_no_camera() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for number in 0..3 {
             let name = format!("{number}.jpg");
-            let frame = Frame::from_image(&name, "main".into(), ImageSize::new(64, 36));
+            let frame = new_frame(&name, ImageSize::new(64, 36));
             document.frames.push(frame.into());
         }
-        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 90.0), None));
+        document.frames[0].ptz = ptz_at(0.0, -9.0, 90.0);
         document.frames[1].status = FrameStatus::Rejected;
         assert_eq!(frames_without_camera(&document), [2]);
     }

@@ -68,19 +68,20 @@ fn first_name(camera: &CameraId) -> &str {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Camera, FieldSpec, Frame};
+    use touchline_documents::document::{Camera, FieldSpec};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     #[test]
     fn frames_between_two_of_another_camera_are_its_own() {
         let size = ImageSize::new(64, 36);
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         let mut main = Camera::new("main".into(), size);
         main.field = Some(FieldSpec::new("futsal"));
         document.cameras.push(main.into());
         for index in 0..24 {
             document
                 .frames
-                .push(Frame::from_image(&format!("{index}.png"), "main".into(), size).into());
+                .push(new_frame(&format!("{index}.png"), size).into());
         }
         // Every second frame is sampled: 0 to 10 are one camera's, 12 to 22 another's.
         let looked_at: Vec<usize> = (0..12).step_by(2).collect();

@@ -74,7 +74,7 @@ fn only_of_size<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_documents::document::FieldSpec;
+    use touchline_documents::testing::a_match;
     use touchline_vision::features::FeatureOptions;
 
     #[test]
@@ -104,10 +104,8 @@ mod tests {
     #[test]
     fn a_camera_without_a_forest_is_given_to_no_image() {
         let size = ImageSize::new(1280, 720);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
+
+        let document = a_match(size);
         let model = ForestModel {
             document: String::new(),
             features: FeatureOptions::default(),

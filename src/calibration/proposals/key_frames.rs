@@ -110,12 +110,13 @@ mod tests {
     use super::*;
     use std::path::Path;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, FieldSpec, Frame, VideoFrame};
+    use touchline_documents::document::VideoFrame;
+    use touchline_documents::testing::{WithFrames, new_frame, soccer_document};
 
     fn windows(numbers: impl IntoIterator<Item = u64>) -> Vec<KeyWindow> {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for number in numbers {
-            let mut frame = Frame::from_image("v.mp4", "main".into(), ImageSize::new(64, 36));
+            let mut frame = new_frame("v.mp4", ImageSize::new(64, 36));
             frame.image = None;
             frame.video = Some(VideoFrame::new("v.mp4", number, None));
             document.frames.push(frame.into());
@@ -165,15 +166,7 @@ mod tests {
 
     #[test]
     fn images_are_no_video() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        for number in 0..50 {
-            let frame = Frame::from_image(
-                &format!("{number}.jpg"),
-                "main".into(),
-                ImageSize::new(64, 36),
-            );
-            document.frames.push(frame.into());
-        }
+        let document = soccer_document().with_numbered(50, ImageSize::new(64, 36));
         assert_eq!(KeyWindow::from_document(document.at(Path::new("/f"))), []);
     }
 }

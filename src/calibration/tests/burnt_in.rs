@@ -1,12 +1,13 @@
 //! Score bugs, logos and lower thirds are neither trained on nor matched, with no mask drawn.
 
-use crate::described_scene::{SIZE, add, base, descriptor, empty};
-use crate::seeded::rng;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use touchline_core::camera::{PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::PanTilt;
 use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::testing::TestBase;
+use touchline_core::testing::seeded::rng;
 use touchline_vision::features::{BurntIn, Descriptor, Features, burnt_in};
+use touchline_vision::testing::{SIZE, add, base, descriptor, empty};
 
 /// Things in the stadium, by their rays, and things on the screen, by their places.
 struct World {
@@ -31,7 +32,7 @@ impl World {
 
     /// What a camera sees, the features of the screen last.
     fn view(&self, pan_deg: f64, with_graphic: bool, rng: &mut Pcg64Mcg) -> Features {
-        let camera = PtzCamera::new(base(), Ptz::from_degrees(pan_deg, -10.0, 1900.0));
+        let camera = base().aim(pan_deg, -10.0, 1900.0);
         let stadium = self
             .stadium
             .iter()
@@ -177,10 +178,11 @@ fn pairs_count_only_where_the_cameras_moved() {
 /// Drawn frames with score bug, lower third and logo, and no mask.
 #[cfg(feature = "opencv")]
 mod drawn {
-    use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+    use touchline_core::camera::{CameraBase, PtzCamera};
     use touchline_core::field::builtin;
     use touchline_core::geometry::ImageSize;
     use touchline_core::progress::Progress;
+    use touchline_core::testing::TestBase;
     use touchline_vision::features::{FeatureOptions, Features, burnt_in, extract};
     use touchline_vision::media::Picture;
     use touchline_vision::relocalize::{
@@ -216,7 +218,7 @@ mod drawn {
         }
 
         fn camera(&self, pan_deg: f64) -> PtzCamera {
-            PtzCamera::new(self.base, Ptz::from_degrees(pan_deg, -11.0, 1100.0))
+            self.base.aim(pan_deg, -11.0, 1100.0)
         }
 
         fn features(&self, pan_deg: f64, time_s: f64, graphics: Graphics) -> Features {

@@ -6,9 +6,8 @@ use std::path::Path;
 use touchline_calibration::calibrate::{Problem, check_pictures, check_values};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::progress::Progress;
-use touchline_documents::document::{
-    Click, Document, FieldSpec, Frame, FrameStatus, document_from_bytes,
-};
+use touchline_documents::document::{Click, Document, FrameStatus, document_from_bytes};
+use touchline_documents::testing::{new_frame, soccer_document};
 
 /// A sound document, broken by `change`, and what `check` says of it.
 fn problems(change: impl FnOnce(&mut Document)) -> Vec<String> {
@@ -192,7 +191,7 @@ fn check_looks_at_the_pictures() {
         picture(&folder.join(name), width, 48, 9);
     }
     fs::write(folder.join("damaged.png"), b"\x89PNG\r\n\x1a\n____").unwrap();
-    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut document = soccer_document();
     let names = [
         "good.png",
         "missing.png",
@@ -200,7 +199,7 @@ fn check_looks_at_the_pictures() {
         "changed.png",
         "damaged.png",
     ];
-    let frame = |name: &&str| Frame::from_image(name, "main".into(), ImageSize::new(64, 48));
+    let frame = |name: &&str| new_frame(name, ImageSize::new(64, 48));
     document.frames = names.iter().map(|name| frame(name).into()).collect();
     document.frames[0].sha256 = Some(
         touchline_vision::media::sha256_of_file(&folder.join("good.png"))

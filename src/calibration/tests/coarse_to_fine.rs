@@ -11,8 +11,9 @@ use touchline_calibration::proposals::{
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
+use touchline_documents::document::{Camera, Frame};
 use touchline_documents::store::read;
+use touchline_documents::testing::soccer_document;
 use touchline_vision::features::{FeatureKey, FeatureOptions, Features};
 use touchline_vision::media::{FrameReader, sha256_of_file};
 use touchline_vision::relocalize::{CERTAIN, RelocalizeOptions};
@@ -32,7 +33,7 @@ fn has_features(pictures: &FramePictures<'_>, frame: &Frame, options: &FeatureOp
 #[test]
 fn work_that_is_content_sees_coarse_features_alone_and_the_rest_both_in_order() {
     let folder = tempfile::tempdir().unwrap();
-    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut document = soccer_document();
     for (name, width) in [("wide", 960), ("narrow", 480)] {
         let size = ImageSize::new(width, 270);
         let camera = Camera::new(name.into(), size);

@@ -2,11 +2,13 @@
 
 use proptest::prelude::*;
 use touchline_core::camera::{FocalCurve, Ptz};
-use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline_core::testing::pixel_box;
 use touchline_documents::document::{
-    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, RejectReason, Solution,
+    Camera, Click, Clip, Document, Frame, FramePtz, FrameStatus, RejectReason, Solution,
     SolutionSource, Target, document_from_bytes, document_to_string,
 };
+use touchline_documents::testing::{new_frame, soccer_document};
 
 const SAMPLE: &str = include_str!("../../documents/tests/samples/document-v1.json");
 
@@ -130,12 +132,7 @@ fn masks_with_a_range_are_written_back() {
         r#""masks": [{ "box_px": [8, 9.5, 300, 40], "from": 412, "to": 500, "source": "found", "seen": 7 }], "lens": { "serial""#,
     );
     let document = document_from_bytes(with_masks.as_bytes()).unwrap();
-    let mask = PixelBox {
-        x: 8.0,
-        y: 9.5,
-        width: 300.0,
-        height: 40.0,
-    };
+    let mask = pixel_box(8.0, 9.5, 300.0, 40.0);
     assert_eq!(document.cameras[0].ranged_masks[0].pixel_box, mask);
     assert!(
         document.masks_of(&document.frames[0]).contains(&mask),
@@ -279,15 +276,10 @@ fn frame() -> impl Strategy<Value = Frame> {
         -180.0..180.0f64,
     )
         .prop_map(|(image, clicks, n, some, angle)| {
-            let mut frame = Frame::from_image(&image, "main".into(), ImageSize::new(1280, 720));
+            let mut frame = new_frame(&image, ImageSize::new(1280, 720));
             frame.clicks = clicks;
             frame.comment = some[0].then(|| image.clone());
-            frame.masks = vec![PixelBox {
-                x: n[0],
-                y: n[1].round(),
-                width: n[2],
-                height: n[3],
-            }];
+            frame.masks = vec![pixel_box(n[0], n[1].round(), n[2], n[3])];
             frame.ptz = some[1].then(|| FramePtz {
                 k1: some[2].then_some(n[4]),
                 k2: some[1].then_some(0.01),
@@ -314,7 +306,7 @@ proptest! {
         frames in prop::collection::vec(frame(), 0..4), position in prop::array::uniform3(number()),
         crown in number(), name in "\\PC{1,8}",
     ) {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         document.field.params.insert("crown_m".to_owned(), crown);
         let mut camera = Camera::new(name.as_str().into(), ImageSize::new(1280, 720));
         camera.position_m = Some(Vec3::from(position));

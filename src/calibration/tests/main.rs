@@ -7,13 +7,6 @@
     reason = "a test says what failed by failing"
 )]
 
-#[allow(dead_code, reason = "shared by several crates")]
-#[path = "../../../tests/shared/described_scene.rs"]
-mod described_scene;
-#[allow(dead_code, reason = "shared by several crates")]
-#[path = "../../../tests/shared/seeded.rs"]
-mod seeded;
-
 mod bad_documents;
 mod burnt_in;
 mod checked_documents;

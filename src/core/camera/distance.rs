@@ -64,16 +64,12 @@ pub fn image_space_distances_px(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase};
     use crate::geometry::Vec3;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use crate::testing::{SIZE, TestBase, base_at};
 
     fn camera(pan_deg: f64, focal_px: f64) -> PtzCamera {
         let position_m = Vec3::new(0.0, -60.0, 15.0);
-        let rotation = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(position_m, rotation, SIZE.centre());
-        PtzCamera::new(base, Ptz::from_degrees(pan_deg, -10.0, focal_px))
+        base_at(position_m, SIZE).aim(pan_deg, -10.0, focal_px)
     }
 
     #[test]

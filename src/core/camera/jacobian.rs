@@ -160,16 +160,12 @@ impl PtzCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+    use crate::camera::{CameraBase, FocalCurve, Ptz};
     use crate::geometry::Angle;
     use crate::geometry::rotation::from_rotation_vector;
+    use crate::testing::{TestBase, turned_base};
 
     fn camera(k2_per_k1_squared: f64) -> PtzCamera {
-        let angles = BaseAngles {
-            heading: Angle::from_degrees(5.0),
-            pitch: Angle::from_degrees(-1.0),
-            roll: Angle::from_degrees(0.7),
-        };
         let base = CameraBase {
             distortion: FocalCurve {
                 at_focal_px: 2000.0,
@@ -177,13 +173,13 @@ mod tests {
                 per_1000_px: 0.21,
                 k2_per_k1_squared,
             },
-            ..CameraBase::new(
-                Vec3::new(3.0, -62.0, 17.0),
-                angles.base_from_world(),
+            ..turned_base(
+                [3.0, -62.0, 17.0],
+                [5.0, -1.0, 0.7],
                 ImagePoint::new(955.0, 543.0),
             )
         };
-        PtzCamera::new(base, Ptz::from_degrees(-14.0, -13.0, 2310.0))
+        base.aim(-14.0, -13.0, 2310.0)
     }
 
     fn difference(f: impl Fn(f64) -> ImagePoint, step: f64) -> Vec2 {

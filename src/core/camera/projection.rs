@@ -224,8 +224,9 @@ impl PtzCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, FocalCurve};
+    use crate::camera::FocalCurve;
     use crate::geometry::rotation::rotation_vector;
+    use crate::testing::{SIZE, TestBase, base_at};
     use proptest::prelude::*;
 
     fn base(k1: f64) -> CameraBase {
@@ -236,17 +237,13 @@ mod tests {
                 per_1000_px: 0.0,
                 ..FocalCurve::NONE
             },
-            ..CameraBase::new(
-                Vec3::new(2.0, -60.0, 18.0),
-                BaseAngles::default().base_from_world(),
-                ImagePoint::new(960.0, 540.0),
-            )
+            ..base_at([2.0, -60.0, 18.0], SIZE)
         }
     }
 
     #[test]
     fn after_half_a_turn_the_opposite_points_are_seen_where_they_were() {
-        let camera = PtzCamera::new(base(-0.1), Ptz::from_degrees(12.0, -8.0, 2400.0));
+        let camera = base(-0.1).aim(12.0, -8.0, 2400.0);
         let turned = camera.after_half_turn();
         let at = camera.image_from_world(Vec3::new(20.0, 5.0, 0.0)).unwrap();
         let opposite = turned.image_from_world(Vec3::new(-20.0, -5.0, 0.0));
@@ -256,7 +253,7 @@ mod tests {
 
     #[test]
     fn the_centre_of_the_picture_shows_the_optical_axis() {
-        let camera = PtzCamera::new(base(-0.1), Ptz::from_degrees(12.0, -8.0, 2400.0));
+        let camera = base(-0.1).aim(12.0, -8.0, 2400.0);
         let ray = camera
             .ray_from_image(ImagePoint::new(960.0, 540.0))
             .unwrap();
@@ -267,7 +264,7 @@ mod tests {
 
     #[test]
     fn right_of_the_axis_is_right_in_the_picture_and_up_is_up() {
-        let camera = PtzCamera::new(base(0.0), Ptz::from_degrees(0.0, -15.0, 2000.0));
+        let camera = base(0.0).aim(0.0, -15.0, 2000.0);
         let middle = camera.image_from_world(Vec3::new(0.0, 0.0, 0.0)).unwrap();
         assert!(camera.image_from_world(Vec3::new(5.0, 0.0, 0.0)).unwrap().x > middle.x);
         assert!(camera.image_from_world(Vec3::new(0.0, 0.0, 2.0)).unwrap().y < middle.y);
@@ -276,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_point_behind_the_camera_is_named() {
-        let camera = PtzCamera::new(base(0.0), Ptz::from_degrees(0.0, -15.0, 2000.0));
+        let camera = base(0.0).aim(0.0, -15.0, 2000.0);
         let error = camera
             .image_from_world(Vec3::new(0.0, -120.0, 0.0))
             .unwrap_err();
@@ -296,10 +293,7 @@ mod tests {
             base_from_world,
             ImagePoint::new(640.5, 360.5),
         );
-        let camera = PtzCamera::new(
-            base,
-            Ptz::from_degrees(53.364_833_724_635_1, -5.866_202_476_869_829, 3733.765_356),
-        );
+        let camera = base.aim(53.364_833_724_635_1, -5.866_202_476_869_829, 3733.765_356);
         let published = Vec3::new(
             1.617_735_862_435_805_6,
             0.445_567_365_524_574_3,
@@ -314,7 +308,7 @@ mod tests {
             x in 0.0..1920.0f64, y in 0.0..1080.0f64, pan in -40.0..40.0f64, tilt in -30.0..-5.0f64,
             focal in 1300.0..6000.0f64, k1 in -0.12..0.3f64,
         ) {
-            let camera = PtzCamera::new(base(k1), Ptz::from_degrees(pan, tilt, focal));
+            let camera = base(k1).aim(pan, tilt, focal);
             let point = ImagePoint::new(x, y);
             let ray = camera.ray_from_image(point).unwrap();
             prop_assert!(camera.image_from_ray(ray).unwrap().distance_px(point) < 1e-8);

@@ -129,6 +129,7 @@ impl Plan {
 mod tests {
     use super::*;
     use crate::field::{builtin, builtin_names};
+    use crate::testing::soccer;
 
     #[test]
     fn every_template_draws_all_its_lines_and_landmarks() {
@@ -151,7 +152,7 @@ mod tests {
 
     #[test]
     fn an_arc_bends_the_way_it_does_on_the_field() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let plan = Plan {
             reach_m: Vec3::new(60.0, 40.0, 0.0),
             px_per_m: 10.0,

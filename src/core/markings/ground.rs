@@ -76,19 +76,14 @@ fn far_away(camera: &PtzCamera, point: ImagePoint, reach_m: f64) -> Option<Vec3>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, Ptz};
     use crate::field::builtin;
+    use crate::testing::{TestBase, base_at};
     use std::collections::BTreeMap;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn camera(tilt_deg: f64, focal_px: f64) -> PtzCamera {
-        let base = CameraBase::new(
-            Vec3::new(3.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(-10.0, tilt_deg, focal_px))
+        base_at([3.0, -60.0, 18.0], SIZE).aim(-10.0, tilt_deg, focal_px)
     }
 
     fn field(crown_m: f64) -> FieldModel {

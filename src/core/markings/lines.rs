@@ -176,13 +176,11 @@ fn ideal_at(a: Vec3, b: Vec3, t: f64) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
     use crate::field::{Curve, builtin};
+    use crate::testing::{SIZE, TestBase, base_at};
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
     use std::collections::BTreeMap;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn soccer(crown_m: f64) -> FieldModel {
         builtin("soccer")
@@ -192,12 +190,7 @@ mod tests {
     }
 
     fn camera(position_m: [f64; 3], pan: f64, tilt: f64, focal_px: f64, k1: f64) -> PtzCamera {
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase {
-            distortion: FocalCurve::constant(k1),
-            ..CameraBase::new(Vec3::from(position_m), level, SIZE.centre())
-        };
-        PtzCamera::new(base, Ptz::from_degrees(pan, tilt, focal_px))
+        base_at(position_m, SIZE).bent(k1).aim(pan, tilt, focal_px)
     }
 
     /// The distance from an image point to the exact projection of a curve, px: the least of all
@@ -326,7 +319,7 @@ mod tests {
         let tilt = (18.0 + 0.1_f64)
             .atan2(26.0 / 20.0_f64.to_radians().cos())
             .to_degrees();
-        let camera = PtzCamera::new(*camera.base(), Ptz::from_degrees(20.0, -tilt, 40_000.0));
+        let camera = camera.base().aim(20.0, -tilt, 40_000.0);
         let polylines = project_lines(&field, &camera, SIZE, &MarkingOptions::default());
         assert_eq!(polylines.len(), 1);
         assert_eq!(field.lines[polylines[0].line].id.as_str(), "touchline_near");

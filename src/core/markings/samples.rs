@@ -221,11 +221,9 @@ fn outside_side_px(at_px: f64, side_px: u32, border_px: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
     use crate::field::builtin;
+    use crate::testing::{SIZE, TestBase, base_at};
     use std::collections::BTreeMap;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn soccer() -> FieldModel {
         builtin("soccer")
@@ -235,15 +233,9 @@ mod tests {
     }
 
     fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
-        let base = CameraBase {
-            distortion: FocalCurve::constant(-0.05),
-            ..CameraBase::new(
-                Vec3::new(2.0, -60.0, 18.0),
-                BaseAngles::default().base_from_world(),
-                SIZE.centre(),
-            )
-        };
-        PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+        base_at([2.0, -60.0, 18.0], SIZE)
+            .bent(-0.05)
+            .aim(pan_deg, tilt_deg, focal_px)
     }
 
     #[test]

@@ -114,15 +114,11 @@ fn half_chord_px(radius_px: f64, offset_px: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
-    use crate::geometry::Vec3;
+    use crate::camera::{CameraBase, FocalCurve, Ptz};
+    use crate::testing::{SIZE, base_at};
 
     fn camera(distortion: FocalCurve, focal_px: f64) -> PtzCamera {
-        let base = CameraBase::new(
-            Vec3::zeros(),
-            BaseAngles::default().base_from_world(),
-            ImagePoint::new(960.0, 540.0),
-        );
+        let base = base_at([0.0; 3], SIZE);
         PtzCamera::new(
             CameraBase { distortion, ..base },
             Ptz::from_degrees(0.0, 0.0, focal_px),

@@ -58,25 +58,17 @@ pub fn horizontal_view(focal_px: f64, image_size: ImageSize) -> Angle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, Ptz};
-    use crate::geometry::ImagePoint;
+    use crate::camera::CameraBase;
+    use crate::testing::{HD, TestBase, turned_base};
 
     fn base(heading_deg: f64) -> CameraBase {
-        let angles = BaseAngles {
-            heading: Angle::from_degrees(heading_deg),
-            ..BaseAngles::default()
-        };
-        CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            angles.base_from_world(),
-            ImagePoint::new(640.0, 360.0),
-        )
+        turned_base([0.0, -60.0, 15.0], [heading_deg, 0.0, 0.0], HD)
     }
 
     #[test]
     fn errors_of_one_base_are_differences() {
-        let truth = PtzCamera::new(base(0.0), Ptz::from_degrees(10.0, -8.0, 2000.0));
-        let estimate = PtzCamera::new(base(0.0), Ptz::from_degrees(10.5, -8.25, 2100.0));
+        let truth = base(0.0).aim(10.0, -8.0, 2000.0);
+        let estimate = base(0.0).aim(10.5, -8.25, 2100.0);
         let error = camera_error(&truth, &estimate);
         assert!((error.pan.degrees() - 0.5).abs() < 1e-12);
         assert!((error.tilt.degrees() + 0.25).abs() < 1e-12);
@@ -95,15 +87,15 @@ mod tests {
 
     #[test]
     fn another_pan_zero_is_no_error() {
-        let truth = PtzCamera::new(base(0.0), Ptz::from_degrees(10.0, -8.0, 2000.0));
-        let estimate = PtzCamera::new(base(4.0), Ptz::from_degrees(6.0, -8.0, 2000.0));
+        let truth = base(0.0).aim(10.0, -8.0, 2000.0);
+        let estimate = base(4.0).aim(6.0, -8.0, 2000.0);
         let error = camera_error(&truth, &estimate);
         assert!(error.rotation.degrees() < 1e-9 && error.pan.degrees().abs() < 1e-9);
     }
 
     #[test]
     fn pans_on_both_sides_of_half_a_turn_are_near_each_other() {
-        let at = |pan: f64| PtzCamera::new(base(0.0), Ptz::from_degrees(pan, 0.0, 2000.0));
+        let at = |pan: f64| base(0.0).aim(pan, 0.0, 2000.0);
         assert!((camera_error(&at(179.5), &at(-179.5)).pan.degrees() - 1.0).abs() < 1e-9);
     }
 

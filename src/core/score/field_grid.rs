@@ -36,26 +36,20 @@ fn shows_field(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> boo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, Ptz};
-    use crate::field::builtin;
-    use crate::geometry::{Angle, Vec3};
+    use crate::geometry::Vec3;
+    use crate::testing::{TestBase, soccer, turned_base};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     /// A camera 100 m above a point, which looks down; a pixel is 0.1 m wide.
     fn above(x_m: f64) -> PtzCamera {
-        let down = BaseAngles {
-            pitch: Angle::from_degrees(-90.0),
-            ..BaseAngles::default()
-        };
         let position = Vec3::new(x_m, 0.0, 100.0);
-        let base = CameraBase::new(position, down.base_from_world(), SIZE.centre());
-        PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, 1000.0))
+        turned_base(position, [0.0, -90.0, 0.0], SIZE).aim(0.0, 0.0, 1000.0)
     }
 
     #[test]
     fn cells_beside_the_field_are_left_out() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         // The picture shows 128 × 72 m; the field has 105 × 68 m. Cells are 8 m wide: of 16 columns
         // those whose centres lie within 52.5 m of the middle, of 9 rows those within 34 m.
         assert_eq!(field_grid(&field, &above(0.0), SIZE, 16).len(), 14 * 9);

@@ -127,32 +127,16 @@ fn ground_from_ideal(camera: &PtzCamera, ideal: Vec2) -> Option<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
-    use crate::field::builtin;
-    use crate::geometry::{Angle, ImagePoint};
     use crate::score::polygon::area;
+    use crate::testing::{TestBase, base_at, soccer, turned_base};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
-    fn soccer() -> FieldModel {
-        builtin("soccer").unwrap().default_model().unwrap()
-    }
-
     /// A camera straight above the middle, 100 m up: the top of the picture is +y.
     fn from_above(focal_px: f64, k1: f64) -> PtzCamera {
-        let down = BaseAngles {
-            pitch: Angle::from_degrees(-90.0),
-            ..BaseAngles::default()
-        };
-        let base = CameraBase {
-            distortion: FocalCurve::constant(k1),
-            ..CameraBase::new(
-                Vec3::new(0.0, 0.0, 100.0),
-                down.base_from_world(),
-                ImagePoint::new(640.0, 360.0),
-            )
-        };
-        PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, focal_px))
+        turned_base([0.0, 0.0, 100.0], [0.0, -90.0, 0.0], SIZE)
+            .bent(k1)
+            .aim(0.0, 0.0, focal_px)
     }
 
     #[test]
@@ -199,15 +183,7 @@ mod tests {
 
     #[test]
     fn the_sky_shows_no_field_and_the_horizon_no_infinity() {
-        let camera = |tilt: f64| {
-            let level = BaseAngles::default().base_from_world();
-            let base = CameraBase::new(
-                Vec3::new(0.0, -60.0, 15.0),
-                level,
-                ImagePoint::new(640.0, 360.0),
-            );
-            PtzCamera::new(base, Ptz::from_degrees(0.0, tilt, 1000.0))
-        };
+        let camera = |tilt: f64| base_at([0.0, -60.0, 15.0], SIZE).aim(0.0, tilt, 1000.0);
         assert!(visible_field(&soccer(), &camera(60.0), SIZE).is_empty());
         let level = area(&visible_field(&soccer(), &camera(0.0), SIZE));
         // The lower edge, 0.36 below the axis, meets the ground 41.7 m ahead: y = −18.3. From there

@@ -68,14 +68,14 @@ pub fn ground_error_m(camera: &PtzCamera, image: ImagePoint, at: Vec3) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, Ptz};
-    use crate::field::builtin;
+    use crate::camera::{BaseAngles, CameraBase};
     use crate::geometry::Angle;
+    use crate::testing::{HD, TestBase, base_at, soccer};
 
     #[test]
     fn a_view_from_above_that_is_a_metre_off() {
         let size = ImageSize::new(1280, 720);
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let down = BaseAngles {
             pitch: Angle::from_degrees(-90.0),
             ..BaseAngles::default()
@@ -87,7 +87,7 @@ mod tests {
                 down,
                 ImagePoint::new(640.0, 360.0),
             );
-            PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, 2000.0))
+            base.aim(0.0, 0.0, 2000.0)
         };
         let errors = landmark_errors(
             FieldView {
@@ -110,15 +110,9 @@ mod tests {
 
     #[test]
     fn what_the_estimate_does_not_see_has_no_number() {
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            level,
-            ImagePoint::new(640.0, 360.0),
-        );
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let [truth, away] =
-            [0.0, 180.0].map(|pan| PtzCamera::new(base, Ptz::from_degrees(pan, -10.0, 1500.0)));
+            [0.0, 180.0].map(|pan| base_at([0.0, -60.0, 15.0], HD).aim(pan, -10.0, 1500.0));
         let errors = landmark_errors(
             FieldView {
                 field: &field,
@@ -135,12 +129,10 @@ mod tests {
 
     #[test]
     fn where_the_estimate_sees_no_ground_the_error_is_infinite() {
-        let level = BaseAngles::default().base_from_world();
         let middle = ImagePoint::new(640.0, 360.0);
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, middle);
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let [truth, sky] =
-            [-10.0, 60.0].map(|tilt| PtzCamera::new(base, Ptz::from_degrees(0.0, tilt, 1500.0)));
+            [-10.0, 60.0].map(|tilt| base_at([0.0, -60.0, 15.0], middle).aim(0.0, tilt, 1500.0));
         let [truth, sky] = [&truth, &sky].map(|camera| FieldView {
             field: &field,
             camera,

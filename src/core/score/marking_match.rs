@@ -261,20 +261,10 @@ fn distance_px(point: ImagePoint, parts: &[Vec<ImagePoint>]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, Ptz};
-    use crate::field::builtin;
-    use crate::geometry::{Angle, Vec3};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
-
-    fn soccer() -> FieldModel {
-        builtin("soccer").unwrap().default_model().unwrap()
-    }
+    use crate::testing::{SIZE, TestBase, base_at, soccer, turned_base};
 
     fn broadcast(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, SIZE.centre());
-        PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+        base_at([0.0, -60.0, 15.0], SIZE).aim(pan_deg, tilt_deg, focal_px)
     }
 
     fn view<'a>(field: &'a FieldModel, camera: &'a PtzCamera) -> FieldView<'a> {
@@ -290,16 +280,10 @@ mod tests {
         let right = MarkingMatch::compare(&field, &annotated, view(&field, &truth), SIZE);
         assert!((right.jaccard(1.0) - 1.0).abs() < 1e-12, "{right:?}");
         // From the other side, turned by half a turn, the same picture with the other names.
-        let base = CameraBase::new(
-            Vec3::new(0.0, 60.0, 15.0),
-            BaseAngles {
-                heading: Angle::from_degrees(180.0),
-                ..BaseAngles::default()
-            }
-            .base_from_world(),
-            SIZE.centre(),
+        let opposite = PtzCamera::new(
+            turned_base([0.0, 60.0, 15.0], [180.0, 0.0, 0.0], SIZE),
+            truth.ptz(),
         );
-        let opposite = PtzCamera::new(base, truth.ptz());
         let turned = MarkingMatch::compare(&field, &annotated, view(&field, &opposite), SIZE);
         assert!((turned.jaccard(1.0) - 1.0).abs() < 1e-9, "{turned:?}");
     }

@@ -142,37 +142,18 @@ pub(super) fn intersection_over_union(one: &[Ring], other: &[Ring]) -> Option<f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
-    use crate::field::builtin;
-    use crate::geometry::{Angle, ImagePoint};
+    use crate::camera::CameraBase;
+    use crate::geometry::ImagePoint;
+    use crate::testing::{TestBase, base_at, soccer, turned_base};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
-    fn soccer() -> FieldModel {
-        builtin("soccer").unwrap().default_model().unwrap()
-    }
-
     fn from_above(x_m: f64, y_m: f64, focal_px: f64) -> PtzCamera {
-        let down = BaseAngles {
-            pitch: Angle::from_degrees(-90.0),
-            ..BaseAngles::default()
-        };
-        let base = CameraBase::new(
-            Vec3::new(x_m, y_m, 100.0),
-            down.base_from_world(),
-            ImagePoint::new(640.0, 360.0),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, focal_px))
+        turned_base([x_m, y_m, 100.0], [0.0, -90.0, 0.0], SIZE).aim(0.0, 0.0, focal_px)
     }
 
     fn broadcast(pan_deg: f64, focal_px: f64) -> PtzCamera {
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            level,
-            ImagePoint::new(640.0, 360.0),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(pan_deg, -12.0, focal_px))
+        base_at([0.0, -60.0, 15.0], SIZE).aim(pan_deg, -12.0, focal_px)
     }
 
     #[test]
@@ -254,10 +235,7 @@ mod tests {
     #[test]
     fn edge_cases_are_as_stated() {
         let field = soccer();
-        let sky = PtzCamera::new(
-            *broadcast(0.0, 2000.0).base(),
-            Ptz::from_degrees(0.0, 45.0, 2000.0),
-        );
+        let sky = broadcast(0.0, 2000.0).base().aim(0.0, 45.0, 2000.0);
         assert_eq!(iou_part(&field, &sky, &sky, SIZE), None);
         assert_eq!(
             iou_part(&field, &broadcast(0.0, 2000.0), &sky, SIZE),
@@ -265,11 +243,8 @@ mod tests {
         );
         assert!(iou_whole(&field, &broadcast(0.0, 2000.0), &sky) == 0.0);
         // An absurd lens gives a number and does not panic.
-        let base = CameraBase {
-            distortion: FocalCurve::constant(-50.0),
-            ..*broadcast(0.0, 2000.0).base()
-        };
-        let folded = PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 2000.0));
+        let base = (*broadcast(0.0, 2000.0).base()).bent(-50.0);
+        let folded = base.aim(0.0, -12.0, 2000.0);
         assert!(
             iou_part(&field, &broadcast(0.0, 2000.0), &folded, SIZE)
                 .is_some_and(|iou| (0.0..1.0).contains(&iou))

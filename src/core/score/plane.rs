@@ -151,25 +151,18 @@ impl PlaneView {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, Ptz};
-    use crate::field::builtin;
     use crate::score::{iou_part, iou_whole, visible_field};
+    use crate::testing::{TestBase, base_at, soccer};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn camera(pan_deg: f64, focal_px: f64) -> PtzCamera {
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(
-            Vec3::new(3.0, -60.0, 15.0),
-            level,
-            ImagePoint::new(630.0, 365.0),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(pan_deg, -12.0, focal_px))
+        base_at([3.0, -60.0, 15.0], ImagePoint::new(630.0, 365.0)).aim(pan_deg, -12.0, focal_px)
     }
 
     #[test]
     fn a_cameras_homography_scores_as_the_camera_does() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         for (truth, estimate) in [
             ((-20.0, 1500.0), (-19.0, 1540.0)),
             ((5.0, 3000.0), (5.2, 2900.0)),
@@ -202,7 +195,7 @@ mod tests {
 
     #[test]
     fn nothing_is_seen_where_there_is_nothing() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         assert_eq!(PlaneView::new(&Mat3::zeros(), SIZE), None);
         // Looks at the ground far beside the field.
         let away = PlaneView::new(

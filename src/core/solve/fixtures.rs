@@ -1,7 +1,8 @@
 //! What tests of several files begin with.
 
-use crate::camera::{BaseAngles, CameraBase, FocalCurve};
-use crate::geometry::{Angle, ImagePoint, Vec3};
+use crate::camera::{CameraBase, FocalCurve};
+use crate::geometry::ImagePoint;
+use crate::testing::turned_base;
 
 /// A base beside the middle, with a roll and a lens that bends more the longer it is.
 pub fn base() -> CameraBase {
@@ -12,13 +13,9 @@ pub fn base() -> CameraBase {
             per_1000_px: 0.21,
             k2_per_k1_squared: 1.5,
         },
-        ..CameraBase::new(
-            Vec3::new(3.0, -62.0, 17.0),
-            BaseAngles {
-                roll: Angle::from_degrees(0.7),
-                ..BaseAngles::default()
-            }
-            .base_from_world(),
+        ..turned_base(
+            [3.0, -62.0, 17.0],
+            [0.0, 0.0, 0.7],
             ImagePoint::new(955.0, 543.0),
         )
     }

@@ -1,15 +1,14 @@
 //! The base from the clicks of many frames, against known truth.
 
-use crate::seeded::{self, normal};
 use nalgebra::SMatrix;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
-use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
-use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
@@ -17,8 +16,8 @@ use touchline_core::solve::base::{
     BesideFrames, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
     estimate_base_on_paint,
 };
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{SIZE, turned_base};
 
 /// The soccer field of the usual size.
 pub fn field(crown_m: f64) -> FieldModel {
@@ -37,18 +36,9 @@ const LENS: FocalCurve = FocalCurve {
 };
 
 fn true_base(distortion: FocalCurve) -> CameraBase {
-    let angles = BaseAngles {
-        heading: Angle::ZERO,
-        pitch: Angle::from_degrees(-0.4),
-        roll: Angle::from_degrees(0.3),
-    };
     CameraBase {
         distortion,
-        ..CameraBase::new(
-            Vec3::new(2.0, -66.0, 19.0),
-            angles.base_from_world(),
-            SIZE.centre(),
-        )
+        ..turned_base([2.0, -66.0, 19.0], [0.0, -0.4, 0.3], SIZE)
     }
 }
 

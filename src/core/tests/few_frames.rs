@@ -1,6 +1,5 @@
 //! The base of a few frames of a camera anywhere around a field, against known truth.
 
-use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
@@ -12,8 +11,8 @@ use touchline_core::solve::base::{
     BaseEstimate, BaseOptions, BasePriors, CameraClicks, FrameClicks, PixelAspect, estimate_base,
     estimate_base_on_paint,
 };
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{SIZE, soccer};
 
 /// A kind of place: the template, and the camera's position, `world`, m.
 struct Place {
@@ -155,7 +154,7 @@ fn a_few_frames_state_the_lean_of_a_camera_at_any_place() {
 
 /// The estimate of some frames of a main stand whose pictures were scaled down the picture.
 fn estimate_of_scaled(count: usize, down: f64, rng: &mut Pcg64Mcg) -> (BaseEstimate, f64) {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let field = soccer();
     let base = usual_base(Vec3::from(PLACES[0].position_m), rng);
     let mut frames: Vec<FrameClicks> = std::iter::repeat_with(|| frame(&field, &base, rng))
         .take(40 * count)
@@ -219,7 +218,7 @@ fn painted(field: &FieldModel, base: &CameraBase, ptz: Ptz, rng: &mut Pcg64Mcg) 
 /// What the paint alone says of the pixels where the picture was cut to a width about its middle and
 /// then scaled down the picture.
 fn aspect_by_paint(width: u32, down: f64, rng: &mut Pcg64Mcg) -> Option<PixelAspect> {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let field = soccer();
     let base = CameraBase::new(
         Vec3::new(2.0, -66.0, 19.0),
         CameraBase::rotation_about(&Vec3::z()),

@@ -1,9 +1,8 @@
 //! The stated σ of a field's fitted length and width, against how far off they are.
 
-use crate::seeded::{self, normal};
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
-use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, Template, builtin};
 use touchline_core::geometry::{ImageSize, Vec2, Vec3};
 use touchline_core::solve::Observation;
@@ -11,6 +10,8 @@ use touchline_core::solve::base::{
     AdjustOptions, BaseModel, CameraClicks, CrownModel, FittedSize, FrameClicks, LensModel,
     SizeParam, SizeStart, adjust_base, fit_field_size, usual_displacement_m,
 };
+use touchline_core::testing::base_at;
+use touchline_core::testing::seeded::{self, normal};
 
 const IMAGE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -83,11 +84,7 @@ impl<'a> Views<'a> {
             -0.5 * width_m - 0.3 * length_m,
             0.17 * length_m,
         );
-        let base = CameraBase::new(
-            position_m,
-            BaseAngles::default().base_from_world(),
-            IMAGE.centre(),
-        );
+        let base = base_at(position_m, IMAGE);
         let look = |along: &f64| {
             let to = Vec3::new(0.5 * along * length_m, 0.0, 0.0) - position_m;
             let tilt = -to.z.atan2(to.xy().norm()).abs();

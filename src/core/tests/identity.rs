@@ -1,18 +1,17 @@
 //! Mistakes in names: found, and not invented.
 
 use crate::base_truth::field;
-use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::camera::{BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldElement, FieldModel, Symmetry};
-use touchline_core::geometry::{Angle, AngleRange, ImageSize, Vec2, Vec3};
+use touchline_core::geometry::{Angle, AngleRange, Vec2, Vec3};
 use touchline_core::solve::{
     Evidence, FrameSolution, IdentityFinding, IdentityKind, Motion, MotionPrior, Name, Observation,
     PtzRanges, PtzStep, SolveContext, Verdict, WarningCode, check_identity, judge, solve_frame,
 };
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{SIZE, TestBase, base_at, ground_landmarks};
 
 fn nominal_base() -> CameraBase {
     CameraBase {
@@ -27,11 +26,7 @@ fn nominal_base() -> CameraBase {
             rotation: Vec3::zeros(),
             ..BaseSigma::default()
         },
-        ..CameraBase::new(
-            Vec3::new(2.0, -64.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        )
+        ..base_at([2.0, -64.0, 18.0], SIZE)
     }
 }
 
@@ -62,15 +57,7 @@ fn labels_and_truth(
         );
         let camera = PtzCamera::new(base, ptz);
         let mut seen: Vec<(Observation, usize)> = Vec::new();
-        for (index, landmark) in field
-            .landmarks
-            .iter()
-            .enumerate()
-            .filter(|(_, landmark)| landmark.nominal_m.z == 0.0)
-        {
-            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
-                continue;
-            };
+        for (index, landmark, exact) in ground_landmarks(field, &camera) {
             let observation =
                 Observation::from_landmark(field, landmark.id.as_str(), exact, SIZE, 0).unwrap();
             let image = exact.translate(Vec2::new(normal(rng), normal(rng)) * observation.sigma_px);
@@ -432,7 +419,7 @@ fn named_otherwise(
 #[test]
 fn the_goal_area_named_as_the_penalty_area_is_found() {
     let field = field(0.15);
-    let camera = PtzCamera::new(nominal_base(), Ptz::from_degrees(30.0, -12.0, 2600.0));
+    let camera = nominal_base().aim(30.0, -12.0, 2600.0);
     let clicks = named_otherwise(
         &field,
         &camera,
@@ -471,7 +458,7 @@ fn the_goal_area_named_as_the_penalty_area_is_found() {
 #[test]
 fn two_clicks_on_the_neighbouring_line_are_found() {
     let field = field(0.15);
-    let camera = PtzCamera::new(nominal_base(), Ptz::from_degrees(28.0, -12.0, 2200.0));
+    let camera = nominal_base().aim(28.0, -12.0, 2200.0);
     let exact = |name: &str| (name.to_owned(), name.to_owned());
     let same = [
         "penalty_mark_right",
@@ -536,7 +523,7 @@ fn a_mirrored_frame_is_found() {
 #[test]
 fn a_click_on_the_neighbouring_line_is_found() {
     let field = field(0.15);
-    let camera = PtzCamera::new(nominal_base(), Ptz::from_degrees(28.0, -12.0, 2200.0));
+    let camera = nominal_base().aim(28.0, -12.0, 2200.0);
     let mut clicks = Vec::new();
     for name in [
         "penalty_mark_right",

@@ -1,7 +1,6 @@
 //! Two drawn lines, or a line and a landmark, with a known base: the camera that saw them.
 
 use crate::base_truth::field;
-use crate::seeded;
 use crate::two_point_truth::{SIZE, error, noisy};
 use nalgebra::Vector3;
 use rand::RngExt;
@@ -10,6 +9,7 @@ use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera}
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, ImagePoint, Vec3};
 use touchline_core::solve::{Observation, SolveContext, solve_frame};
+use touchline_core::testing::seeded;
 
 const SIGMA_PX: f64 = 2.0;
 

@@ -7,10 +7,6 @@
     reason = "a test says what failed by failing"
 )]
 
-#[allow(dead_code, reason = "shared by several crates")]
-#[path = "../../../tests/shared/seeded.rs"]
-mod seeded;
-
 mod bad_fields;
 mod base_truth;
 mod few_frames;

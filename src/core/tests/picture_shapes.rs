@@ -1,11 +1,11 @@
 //! Pictures of other proportions than 16:9 are judged as strictly as these.
 
-use crate::seeded::{self, normal};
 use rand::RngExt;
-use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline_core::field::builtin;
-use touchline_core::geometry::{ImageSize, Vec2, Vec3};
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::geometry::{ImageSize, Vec2};
 use touchline_core::solve::{Observation, SolveContext, WarningCode, solve_frame};
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{base_at, soccer};
 
 const WHOLE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -14,9 +14,8 @@ const WHOLE: ImageSize = ImageSize::new(1920, 1080);
 fn contradictions_percent(size: ImageSize) -> f64 {
     const FRAMES: usize = 150;
     let mut rng = seeded::rng("contradictions_percent");
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let level = BaseAngles::default().base_from_world();
-    let base = CameraBase::new(Vec3::new(2.0, -66.0, 19.0), level, size.centre());
+    let field = soccer();
+    let base = base_at([2.0, -66.0, 19.0], size);
     let (mut frames, mut contradicted) = (0, 0);
     while frames < FRAMES {
         let ptz = Ptz::from_degrees(

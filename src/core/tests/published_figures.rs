@@ -1,23 +1,19 @@
 //! Figures that the method's papers and programs are known by, and the authors' own formulas for
 //! comparison; none of these formulas is used in the library.
 
-use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{PanTilt, PtzCamera};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 use touchline_core::solve::{Observation, SolveContext, focal_from_two_rays, solve_frame};
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{TestBase, base_at};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     let position = Vec3::new(0.0, -60.0, 18.0);
-    let base = CameraBase::new(
-        position,
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    );
-    PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+    base_at(position, SIZE).aim(pan_deg, tilt_deg, focal_px)
 }
 
 /// The paper's eq. (2), its y turned to our sign: pan and tilt of a ray act on x and y separately.

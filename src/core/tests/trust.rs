@@ -1,19 +1,18 @@
 //! How far labels say they are to be trusted, against how far off they are.
 
 use crate::base_truth::field;
-use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImageSize, Vec2, Vec3};
+use touchline_core::geometry::{Vec2, Vec3};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
     BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base,
 };
 use touchline_core::solve::{Observation, ObservedShape, SolveContext, solve_frame};
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{SIZE, ground_landmarks};
 
 /// χ² with two degrees of freedom of a 68 % region.
 const REGION: f64 = 2.28;
@@ -152,15 +151,8 @@ fn stated_regions_hold_what_they_promise() {
             continue;
         };
         let drawn = PtzCamera::new(nominal, solved.ptz);
-        for landmark in field
-            .landmarks
-            .iter()
-            .filter(|landmark| landmark.nominal_m.z == 0.0)
-        {
+        for (_, landmark, truth) in ground_landmarks(&field, &camera) {
             let at = field.landmark_in_world(landmark);
-            let Ok(truth) = camera.image_from_world(at) else {
-                continue;
-            };
             if !SIZE.contains(truth) {
                 continue;
             }
@@ -273,15 +265,7 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                     continue;
                 }
                 let drawn = PtzCamera::new(found.base, solved.ptz);
-                for landmark in field
-                    .landmarks
-                    .iter()
-                    .filter(|landmark| landmark.nominal_m.z == 0.0)
-                {
-                    let Ok(truth) = camera.image_from_world(field.landmark_in_world(landmark))
-                    else {
-                        continue;
-                    };
+                for (_, landmark, truth) in ground_landmarks(&field, &camera) {
                     let at = crowned.landmark_in_world(landmark);
                     let Ok(shown) = drawn.image_from_world(at) else {
                         continue;

@@ -86,23 +86,19 @@ fn renumber(click: &mut usize, new_indices: &[Option<usize>]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Camera, FieldSize, FieldSpec, FramePtz};
-    use touchline_core::camera::Ptz;
+    use crate::document::FieldSize;
+    use crate::testing::{a_match, new_frame, ptz_at};
     use touchline_core::geometry::ImageSize;
 
     #[test]
     fn a_dataset_says_so_at_every_solved_frame_once() {
         let size = ImageSize::new(1920, 1080);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
+
+        let mut document = a_match(size);
         for _ in 0..2 {
-            document
-                .frames
-                .push(Frame::from_image("a.jpg", "main".into(), size).into());
+            document.frames.push(new_frame("a.jpg", size).into());
         }
-        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -10.0, 2000.0), None));
+        document.frames[0].ptz = ptz_at(0.0, -10.0, 2000.0);
         let warnings = |document: &Document| -> Vec<Vec<String>> {
             let solutions = document
                 .frames

@@ -104,10 +104,6 @@ mod create;
 mod dataset;
 mod edits;
 mod fields;
-#[cfg(any(test, feature = "testing"))]
-#[doc(hidden)]
-#[allow(clippy::must_use_candidate, reason = "for tests alone")]
-pub mod fixtures;
 mod frame_state;
 mod model;
 mod new_images;

@@ -132,7 +132,8 @@ fn normalise(path: &Path) -> Vec<Component<'_>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, Frame, VideoFrame};
+    use crate::document::{FieldSpec, VideoFrame};
+    use crate::testing::new_frame;
     use touchline_core::geometry::ImageSize;
 
     #[test]
@@ -151,21 +152,17 @@ mod tests {
     fn relative_paths_follow_and_absolute_ones_stay() {
         let mut document = Document::new(FieldSpec::new("fields/mine.json"));
         let size = ImageSize::new(64, 48);
-        let mut both = Frame::from_image("images/1.jpg", "main".into(), size);
+        let mut both = new_frame("images/1.jpg", size);
         both.video = Some(VideoFrame::new("../match.mp4", 3, None));
         document.frames.push(both.into());
+        document.frames.push(new_frame("/data/2.jpg", size).into());
         document
             .frames
-            .push(Frame::from_image("/data/2.jpg", "main".into(), size).into());
+            .push(new_frame("D:\\data\\3.jpg", size).into());
         document
             .frames
-            .push(Frame::from_image("D:\\data\\3.jpg", "main".into(), size).into());
-        document
-            .frames
-            .push(Frame::from_image("d:/data/4.jpg", "main".into(), size).into());
-        document
-            .frames
-            .push(Frame::from_image("a:1.jpg", "main".into(), size).into());
+            .push(new_frame("d:/data/4.jpg", size).into());
+        document.frames.push(new_frame("a:1.jpg", size).into());
         let moved = document
             .clone()
             .relocate(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));

@@ -24,12 +24,13 @@ pub fn shots(document: &Document) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, Frame};
+    use crate::document::Frame;
+    use crate::testing::soccer_document;
     use touchline_core::geometry::ImageSize;
 
     #[test]
     fn frames_of_two_cameras_taken_in_turns_are_two_shots() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (camera, clip) in [
             ("a", Some(1)),
             ("b", Some(1)),

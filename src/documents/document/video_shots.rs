@@ -411,12 +411,13 @@ fn end(document: &Document, end: &ShotEnd, video: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, VideoFrame};
+    use crate::document::VideoFrame;
+    use crate::testing::soccer_document;
     use touchline_core::geometry::ImageSize;
 
     /// Every `step`-th of the first 12 frames of each video.
     fn document(videos: &[&str], step: usize) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for video in videos {
             for index in (0..12).step_by(step) {
                 let video = VideoFrame::new(video, index, None);

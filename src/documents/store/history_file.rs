@@ -241,15 +241,14 @@ fn lines(steps: impl Iterator<Item = Record>) -> io::Result<(Vec<u8>, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, Frame, Step};
+    use crate::document::Step;
+    use crate::testing::{new_frame, soccer_document};
     use touchline_core::geometry::ImageSize;
 
     /// A document with three steps before it and two after.
     fn document_with_history() -> (Document, History<Document>) {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |index: i32| {
-            Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 48)).into()
-        };
+        let mut document = soccer_document();
+        let frame = |index: i32| new_frame(&index.to_string(), ImageSize::new(64, 48)).into();
         document.frames.extend((0..4).map(frame));
         let mut history = History::default();
         for index in 0..5 {

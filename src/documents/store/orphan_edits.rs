@@ -59,7 +59,7 @@ impl OrphanEdits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::fixtures::{document, names_and_comments};
+    use crate::testing::{document, names_and_comments};
 
     /// The edit that gives the last frame of a document a comment.
     fn comment_on_last(before: &Document, comment: &str) -> Edit {

@@ -171,13 +171,12 @@ fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, Frame};
+    use crate::testing::{new_frame, soccer_document};
     use touchline_core::geometry::ImageSize;
 
     fn document() -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame =
-            |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 48)).into();
+        let mut document = soccer_document();
+        let frame = |name: &str| new_frame(name, ImageSize::new(64, 48)).into();
         document.frames = ["a.jpg", "b.jpg"].into_iter().map(frame).collect();
         document
     }

@@ -7,18 +7,18 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{
-    Camera, Document, Edit, EditKind, FieldSpec, Frame, History, Step, document_to_string,
+    Camera, Document, Edit, EditKind, History, Step, document_to_string,
 };
 use touchline_documents::store::{
     Access, DocumentStore as _, HistoryLeftOut, Location, Opened, Recovery, Store, open,
 };
+use touchline_documents::testing::{new_frame, soccer_document};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 fn new_document(frames: usize) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let frame =
-        |index| Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE).into();
+    let mut document = soccer_document();
+    let frame = |index| new_frame(&format!("images/{index:04}.jpg"), SIZE).into();
     document.frames.extend((0..frames).map(frame));
     document
 }
@@ -169,10 +169,9 @@ fn obey(mut editor: Editor, path: &Path, doing: EditorEvent) -> Editor {
             document.frames.remove(frame);
         }),
         EditorEvent::Add(name) => editor.step("Add", |document| {
-            document.frames.insert(
-                1,
-                Frame::from_image(&name.to_string(), "main".into(), SIZE).into(),
-            );
+            document
+                .frames
+                .insert(1, new_frame(&name.to_string(), SIZE).into());
         }),
         EditorEvent::Camera(name) => editor.step("Camera", |document| {
             document.cameras = vec![Camera::new(name.to_string().as_str().into(), SIZE).into()];

@@ -394,10 +394,12 @@ mod tests {
     use super::*;
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::pixel_box;
     use touchline_documents::document::{FramePtz, FrameStatus, Step};
+    use touchline_documents::testing::new_frame;
 
     fn frame(name: &str, pan_deg: Option<f64>, status: FrameStatus) -> Shared<Frame> {
-        let mut frame = Frame::from_image(name, "main".into(), ImageSize::new(64, 36));
+        let mut frame = new_frame(name, ImageSize::new(64, 36));
         let ptz = |pan_deg| FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None);
         frame.ptz = pan_deg.map(ptz);
         frame.status = status;
@@ -478,12 +480,7 @@ mod tests {
         let noted = |name: &str, status| {
             let mut noted = (*frame(name, Some(2.0), status)).clone();
             noted.comment = Some("left post only".to_owned());
-            noted.masks = vec![touchline_core::geometry::PixelBox {
-                x: 1.0,
-                y: 2.0,
-                width: 3.0,
-                height: 4.0,
-            }];
+            noted.masks = vec![pixel_box(1.0, 2.0, 3.0, 4.0)];
             (noted.use_for_base, noted.use_for_training, noted.gold) = (false, Some(false), true);
             Shared::from(noted)
         };

@@ -198,18 +198,18 @@ fn least_confidence(frame: &Frame) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, FramePtz, FrameStatus, Solution};
+    use touchline_documents::document::{FrameStatus, Solution};
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document};
 
     fn document(confidences: &[Option<f64>]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (index, confidence) in confidences.iter().enumerate() {
             let size = ImageSize::new(64, 36);
-            let mut frame = Frame::from_image(&format!("{index}.png"), "main".into(), size);
+            let mut frame = new_frame(&format!("{index}.png"), size);
             if confidence.is_some() {
                 frame.status = FrameStatus::Suggested;
-                frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+                frame.ptz = ptz_at(1.0, -9.0, 900.0);
                 frame.solution = Some(Solution {
                     confidence: *confidence,
                     ..Solution::default()

@@ -195,17 +195,18 @@ fn core_hours(planned: &PlannedMatch, parts: &Path) -> f64 {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, FieldSpec, VideoFrame};
+    use touchline_documents::document::{FieldSpec, VideoFrame};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     #[test]
     fn frames_of_a_project_that_are_of_other_pictures_fill_no_gap() {
         let size = ImageSize::new(64, 36);
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in 0..4 {
             let video = VideoFrame::new("../../videos/a.mp4", index, None);
             let of_match = Frame::from_video(video, "main".into(), size);
             document.frames.push(of_match.into());
-            let other = Frame::from_image(&format!("own/{index}.jpg"), "main".into(), size);
+            let other = new_frame(&format!("own/{index}.jpg"), size);
             document.frames.push(other.into());
         }
         let planned = PlannedMatch {

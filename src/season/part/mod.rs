@@ -385,7 +385,7 @@ impl Cost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_documents::document::FieldSpec;
+    use touchline_documents::testing::soccer_document;
 
     fn part() -> Part {
         Part {
@@ -396,7 +396,7 @@ mod tests {
                     camera: "main".to_owned(),
                 }],
             },
-            document: Document::new(FieldSpec::new("soccer")),
+            document: soccer_document(),
             forest: vec![0, 159, 146, 150],
         }
     }

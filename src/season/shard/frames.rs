@@ -166,6 +166,7 @@ pub(super) fn camera_of(runs: &[CameraRun], number: usize) -> Option<CameraId> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use touchline_documents::testing::{WithFrames, soccer_document};
 
     #[cfg(unix)]
     #[test]
@@ -180,11 +181,8 @@ mod tests {
         std::os::unix::fs::symlink(&images, folder.join("linked")).unwrap();
         let source = OpenSource::open(folder.join("disk"), "north".to_owned()).unwrap();
         let size = touchline_core::geometry::ImageSize::new(8, 8);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        for image in ["../linked/1.png", "../other/1.png"] {
-            let frame = Frame::from_image(image, "main".into(), size);
-            document.frames.push(frame.into());
-        }
+        let mut document =
+            soccer_document().with_pictures(["../linked/1.png", "../other/1.png"], size);
         source.name_without_links(&mut document);
         let named = document.frames.iter().map(|frame| frame.image.as_deref());
         let named: Vec<_> = named.flatten().collect();

@@ -161,8 +161,7 @@ fn within(centre: ImagePoint, image_size: ImageSize) -> ImagePoint {
 mod tests {
     use super::*;
     use egui::vec2;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::SIZE;
 
     fn placement(pixels_per_point: f32, view: PictureView) -> Placement {
         Placement::new(

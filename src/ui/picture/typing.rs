@@ -300,28 +300,21 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
     use touchline_application::app::PointerAction;
-    use touchline_application::app::{Opened, Settings};
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus};
+    use touchline_core::camera::PtzCamera;
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_core::testing::{TestBase, base_at, landmark_in, soccer};
+    use touchline_documents::document::{Click, FrameStatus};
+    use touchline_documents::testing::{WithFrames, match_from};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn pointed() -> PtzCamera {
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(-14.0, -12.0, 1300.0))
+        base_at([0.0, -60.0, 18.0], SIZE).aim(-14.0, -12.0, 1300.0)
     }
 
     fn image_of(landmark: &str) -> ImagePoint {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        pointed()
-            .image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap()))
-            .unwrap()
+        let field = soccer();
+        landmark_in(&pointed(), &field, landmark)
     }
 
     /// A window without panels that carries out the actions it reads.
@@ -335,26 +328,15 @@ mod tests {
     impl Hands {
         /// Three frames; the shown one has two points that determine its camera.
         fn new() -> Self {
-            let mut document = Document::new(FieldSpec::new("soccer"));
-            let mut camera = Camera::new("main".into(), SIZE);
-            camera.set_base(pointed().base());
-            document.cameras.push(camera.into());
-            for name in ["0.jpg", "1.jpg", "2.jpg"] {
-                document
-                    .frames
-                    .push(Frame::from_image(name, "main".into(), SIZE).into());
-            }
+            let mut document =
+                match_from(pointed().base(), SIZE).with_pictures(["0.jpg", "1.jpg", "2.jpg"], SIZE);
             let named = ["penalty_area_far_left_front", "centre_circle_halfway_near"];
             document.frames[0].clicks = named
                 .map(|id| Click::landmark(id.into(), image_of(id)))
                 .into_iter()
                 .collect();
             document.frames[0].status = FrameStatus::Draft;
-            let mut app = App::new(Settings::default());
-            app.update(Action::Opened(Box::new(Opened::new(
-                document,
-                "/match/project.json",
-            ))));
+            let mut app = App::with_document(document);
             app.update(Action::Edit(EditAction::SolveAgain));
             Self {
                 app,

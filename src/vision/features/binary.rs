@@ -234,6 +234,7 @@ pub(super) mod opencv_calls {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use touchline_core::testing::pixel_box;
 
     #[test]
     fn a_quarter_of_the_bits_is_the_gate() {
@@ -286,12 +287,7 @@ mod tests {
                 middle.iter().all(|at| (at - 80.0).abs() < 2.0),
                 "{kind:?} {middle:?}"
             );
-            let left = PixelBox {
-                x: 0.0,
-                y: 0.0,
-                width: 80.0,
-                height: 160.0,
-            };
+            let left = pixel_box(0.0, 0.0, 80.0, 160.0);
             let masked = extract_binary(&picture, &[left], kind, 50).unwrap();
             assert!(
                 masked

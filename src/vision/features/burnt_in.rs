@@ -260,6 +260,7 @@ fn extent_px(
 mod tests {
     use super::*;
     use crate::features::Keypoint;
+    use touchline_core::testing::pixel_box;
 
     #[test]
     fn a_picture_without_features_hides_no_graphic() {
@@ -278,12 +279,7 @@ mod tests {
         let burnt = [BTreeSet::new(), static_features.clone(), static_features];
         let found = graphics(&[&none, &shown, &shown], &burnt);
         let expected = BurntInGraphic {
-            pixel_box: PixelBox {
-                x: 86.0,
-                y: 46.0,
-                width: 43.0,
-                height: 28.0,
-            },
+            pixel_box: pixel_box(86.0, 46.0, 43.0, 28.0),
             first: 1,
             last: 2,
             features: 12,

@@ -224,6 +224,7 @@ fn decode(file: &[u8]) -> Option<Features> {
 mod tests {
     use super::*;
     use crate::features::Detector;
+    use touchline_core::testing::pixel_box;
 
     fn features(count: u8) -> Features {
         Features {
@@ -250,12 +251,7 @@ mod tests {
         assert_eq!(cache.get(&key), None);
         cache.put(&key, &features(3)).unwrap();
         assert_eq!(cache.get(&key), Some(features(3)));
-        let mask = PixelBox {
-            x: 1.0,
-            y: 2.0,
-            width: 3.0,
-            height: 4.0,
-        };
+        let mask = pixel_box(1.0, 2.0, 3.0, 4.0);
         let root = FeatureOptions {
             root_sift: true,
             ..options

@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, builtin};
 use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+use touchline_core::testing::{TestBase, base_at};
 
 /// Size of the pictures, px.
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
@@ -41,13 +42,9 @@ pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
             per_1000_px: 0.2,
             ..FocalCurve::NONE
         },
-        ..CameraBase::new(
-            Vec3::new(1.0, -62.0, 17.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        )
+        ..base_at([1.0, -62.0, 17.0], SIZE)
     };
-    PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+    base.aim(pan_deg, tilt_deg, focal_px)
 }
 
 /// The basketball court as [`court_truth`] sees it, drawn once for all tests.
@@ -64,12 +61,7 @@ pub fn court() -> FieldModel {
 
 /// A camera in the stand of a sports hall.
 pub fn court_camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
-    let base = CameraBase::new(
-        Vec3::new(1.0, -24.0, 11.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    );
-    PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+    base_at([1.0, -24.0, 11.0], SIZE).aim(pan_deg, tilt_deg, focal_px)
 }
 
 /// The camera of [`COURT`].

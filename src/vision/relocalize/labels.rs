@@ -126,10 +126,9 @@ pub(super) fn jacobian_by_reference(answer: &Ptz, reference: &Ptz) -> Mat3 {
 mod tests {
     use super::*;
     use crate::relocalize::{Pose, PoseOptions, RayCandidate, pose_from_candidates};
-    use touchline_core::camera::{FocalCurve, PanTilt};
+    use touchline_core::camera::PanTilt;
     use touchline_core::geometry::{ImagePoint, Vec3};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::{SIZE, TestBase};
 
     fn base() -> CameraBase {
         CameraBase::new(Vec3::new(0.0, -60.0, 18.0), Mat3::identity(), SIZE.centre())
@@ -205,10 +204,7 @@ mod tests {
         let (pose, matches) = answer(ptz);
         let seen = SeenRange::from_cameras(&[ptz]).unwrap();
         // A lens that gives no pixel of the picture a ray.
-        let folded = CameraBase {
-            distortion: FocalCurve::constant(-1e4),
-            ..base()
-        };
+        let folded = base().bent(-1e4);
         let [known, unknown] = [base(), folded]
             .map(|base| pose.clone().with_uncertainty(&matches, &base, SIZE, &seen));
         assert!(known.confidence > 0.0 && known.worst_corner_sigma_px.is_finite());

@@ -140,11 +140,11 @@ impl Lighting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::field::builtin;
+    use touchline_core::testing::soccer;
 
     #[test]
     fn a_low_sun_leaves_a_part_of_the_pitch_in_shadow_and_haze_does_not() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let spread = |daylight| {
             let lighting = Lighting::new(daylight, &field);
             let at = |x: f64, y: f64| lighting.on_ground(Vec3::new(x, y, 0.0)).y;

@@ -146,15 +146,12 @@ mod tests {
     use super::*;
     use crate::synthetic::{Preset, StadiumOptions, stadium};
     use touchline_core::camera::PtzCamera;
-    use touchline_core::field::builtin;
+    use touchline_core::testing::soccer;
 
     #[test]
     fn the_operator_keeps_the_ball_in_view_and_moves_smoothly() {
         let size = ImageSize::new(1280, 720);
-        let scene = stadium(&StadiumOptions::new(
-            builtin("soccer").unwrap().default_model().unwrap(),
-            21,
-        ));
+        let scene = stadium(&StadiumOptions::new(soccer(), 21));
         let shoot = ShootOptions {
             step_s: 0.04,
             ..Preset::Paper.shoot()

@@ -128,11 +128,11 @@ impl<'a> RayCaster<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+    use touchline_core::camera::{CameraBase, FocalCurve};
+    use touchline_core::testing::{HD, TestBase, base_at};
 
     #[test]
     fn differentials_agree_with_the_neighbouring_rays() {
-        let level = BaseAngles::default().base_from_world();
         for (k1, k2_per_k1_squared) in
             [(0.0, 0.0), (-0.1, 0.0), (0.2, 0.0), (-0.2, 0.5), (0.2, 2.0)]
         {
@@ -141,13 +141,9 @@ mod tests {
                     k2_per_k1_squared,
                     ..FocalCurve::constant(k1)
                 },
-                ..CameraBase::new(
-                    Vec3::new(1.0, -62.0, 17.0),
-                    level,
-                    ImagePoint::new(640.0, 360.0),
-                )
+                ..base_at([1.0, -62.0, 17.0], HD)
             };
-            let camera = PtzCamera::new(base, Ptz::from_degrees(20.0, -11.0, 1500.0));
+            let camera = base.aim(20.0, -11.0, 1500.0);
             let caster = RayCaster::new(&camera);
             let h = 1e-3;
             for (x, y) in [(640.0, 360.0), (20.0, 50.0), (1200.0, 700.0)] {

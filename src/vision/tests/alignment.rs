@@ -1,12 +1,12 @@
 //! Labels that do not quite fit each other are made to, by what the pictures share.
 
-use crate::described_scene::{SIZE, base, picture, scene};
-use crate::seeded::{normal, rng};
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
+use touchline_core::testing::seeded::{normal, rng};
 use touchline_vision::features::Features;
 use touchline_vision::relocalize::{Label, Misfit, Reference, adjust_labels};
+use touchline_vision::testing::{SIZE, base, picture, scene};
 
 /// 1-σ of a label: a few px in pan and tilt, and of focal length.
 const SIGMAS: [f64; 3] = [1.2e-3, 1.2e-3, 12.0];

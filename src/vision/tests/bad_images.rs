@@ -1,9 +1,9 @@
 //! Broken image files: each gets one clear line, none brings the program down.
 
-use crate::files::{behind_path, cut, new_file};
 use image::{ImageFormat, RgbImage};
 use std::path::Path;
 use touchline_core::geometry::ImageSize;
+use touchline_core::testing::files::{behind_path, cut, new_file};
 use touchline_vision::media::{
     ImageLimits, MediaError, Picture, image_size, list_images, load_image, load_image_within,
     sha256_of_file,

@@ -1,12 +1,13 @@
 //! References that contradict each other are found, and the wrong one named.
 
-use crate::described_scene::{SIZE, base, picture, scene};
-use crate::seeded::rng;
 use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::testing::TestBase;
+use touchline_core::testing::seeded::rng;
 use touchline_vision::features::Features;
 use touchline_vision::relocalize::{
     Contradiction, ContradictionOptions, Reference, contradictions, suspects,
 };
+use touchline_vision::testing::{SIZE, base, picture, scene};
 
 /// Six references from left to right, labelled as they look, but for what `mislabel` does.
 fn contradictions_of(name: &str, mislabel: impl Fn(usize, Ptz) -> Ptz) -> Vec<Contradiction> {
@@ -102,7 +103,7 @@ fn a_wrong_focal_length_is_found_and_nothing_is_said_without_common_views() {
     };
     let blank = Reference {
         features: &nothing,
-        camera: PtzCamera::new(base(), Ptz::from_degrees(0.0, -10.0, 2000.0)),
+        camera: base().aim(0.0, -10.0, 2000.0),
     };
     assert_eq!(
         contradictions(&[blank, blank], &ContradictionOptions::default()),

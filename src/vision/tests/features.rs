@@ -1,11 +1,12 @@
 //! SIFT features of a picture: unbiased, masked, capped.
 #![cfg(feature = "opencv")]
 
-use crate::seeded::rng;
 use rand::RngExt;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, hex};
+use touchline_core::testing::pixel_box;
+use touchline_core::testing::seeded::rng;
 use touchline_vision::features::{Detector, FeatureOptions, extract, opencv_version};
 use touchline_vision::media::{Picture, load_image};
 
@@ -122,12 +123,7 @@ fn other_detectors_are_as_unbiased_and_find_their_features_again() {
 #[test]
 fn masks_and_the_cap_are_kept() {
     let (picture, _) = blob_pictures(320, 240);
-    let mask = PixelBox {
-        x: 0.0,
-        y: 0.0,
-        width: 160.0,
-        height: 240.0,
-    };
+    let mask = pixel_box(0.0, 0.0, 160.0, 240.0);
     let uncapped = extract(&picture, &[mask], &FeatureOptions::default()).unwrap();
     assert!(
         uncapped

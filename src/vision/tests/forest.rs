@@ -1,7 +1,6 @@
 //! The pan-tilt forest from outside: the same bytes on any number of threads, stopping, damaged
 //! files.
 
-use crate::seeded::rng;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeSet;
@@ -10,6 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::camera::PanTilt;
 use touchline_core::geometry::Angle;
 use touchline_core::progress::Progress;
+use touchline_core::testing::seeded::rng;
 use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use touchline_vision::relocalize::{
     CameraForest, FOREST_VERSION, Forest, ForestFileError, ForestModel, PredictOptions, Samples,

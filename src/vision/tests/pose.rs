@@ -1,13 +1,14 @@
 //! Pose from candidate rays: exact where it can be, within the noise where it cannot, and by name
 //! where there is none.
 
-use crate::seeded::{normal, rng};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::quantile;
 use touchline_core::geometry::rotation::{angle_between, q_pan, q_tilt};
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::testing::seeded::{normal, rng};
+use touchline_core::testing::{TestBase, base_at};
 use touchline_vision::relocalize::{
     NotFound, Pose, PoseOptions, RayCandidate, RayMatches, pose_from_candidates,
 };
@@ -15,12 +16,8 @@ use touchline_vision::relocalize::{
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 fn base(k1: f64) -> CameraBase {
-    let level = BaseAngles::default().base_from_world();
-    let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, SIZE.centre());
-    CameraBase {
-        distortion: FocalCurve::constant(k1),
-        ..base
-    }
+    let base = base_at([0.0, -60.0, 18.0], SIZE);
+    base.bent(k1)
 }
 
 fn random_ptz(rng: &mut Pcg64Mcg) -> Ptz {

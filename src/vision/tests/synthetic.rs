@@ -5,6 +5,7 @@ use image::RgbImage;
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::{FieldLine, FieldModel, LineId, builtin};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
+use touchline_core::testing::{TestBase, landmark_in};
 #[cfg(feature = "opencv")]
 use touchline_vision::features::{Descriptor, FeatureOptions, Features, extract};
 #[cfg(feature = "opencv")]
@@ -188,7 +189,7 @@ fn at_another_moment_people_and_boards_change_and_the_pitch_does_not() {
     let scene = scene(3);
     let base = Preset::Easy.shoot().main_camera(SMALL);
     let taken = |moment: &Moment, tilt_deg: f64| {
-        let camera = PtzCamera::new(base, Ptz::from_degrees(4.0, tilt_deg, 900.0));
+        let camera = base.aim(4.0, tilt_deg, 900.0);
         scene.at(moment).render(&camera, SMALL, &bare()).image
     };
     let changed = |moment: &Moment, tilt_deg: f64| {
@@ -259,7 +260,7 @@ fn paint_lies_where_the_exact_camera_has_it() {
                 distortion: FocalCurve::constant(k1),
                 ..Preset::Easy.shoot().main_camera(FULL)
             };
-            let camera = PtzCamera::new(base, Ptz::from_degrees(pan, tilt, focal));
+            let camera = base.aim(pan, tilt, focal);
             let picture = scene.render(&camera, FULL, &bare()).image;
             let all_paint = all_paint(&camera, &field);
             for line in field.lines.iter().filter(|line| line.painted) {
@@ -356,13 +357,9 @@ fn the_mask_holds_every_pixel_of_every_mover() {
 fn goals_stand_on_their_landmarks() {
     let (scene, field) = (scene(3), field(0.0));
     let base = Preset::Easy.shoot().main_camera(FULL);
-    let camera = PtzCamera::new(base, Ptz::from_degrees(36.0, -11.5, 3000.0));
+    let camera = base.aim(36.0, -11.5, 3000.0);
     let picture = scene.render(&camera, FULL, &bare()).image;
-    let place = |id: &str| {
-        camera
-            .image_from_world(field.landmark_in_world(field.landmark(id).unwrap()))
-            .unwrap()
-    };
+    let place = |id: &str| landmark_in(&camera, &field, id);
     let (base, top) = (place("post_near_right_base"), place("post_near_right_top"));
     // Half-way up the near post the picture is white on the post and not beside it.
     let middle = ImagePoint::new(0.5 * (base.x + top.x), 0.5 * (base.y + top.y));
@@ -405,9 +402,7 @@ fn drawn_clicks_are_named_seen_and_as_noisy_as_requested() {
             let ClickTarget::Landmark(id) = &click.target else {
                 continue;
             };
-            let exact = camera
-                .image_from_world(field.landmark_in_world(field.landmark(id.as_str()).unwrap()))
-                .unwrap();
+            let exact = landmark_in(&camera, &field, id.as_str());
             squares += click.image.distance_px(exact).powi(2);
             count += 2;
         }
@@ -453,7 +448,7 @@ fn features_of_the_stadium_are_found_again_in_another_frame() {
     let scene = scene(5);
     let base = Preset::Paper.shoot().main_camera(FULL);
     let take = |pan: f64, focal_px: f64, time_s: f64| {
-        let camera = PtzCamera::new(base, Ptz::from_degrees(pan, -11.5, focal_px));
+        let camera = base.aim(pan, -11.5, focal_px);
         let options = FrameOptions {
             time_s,
             noise_levels: 1.5,

@@ -150,8 +150,7 @@ mod tests {
     use crate::track::PriorSource;
     use touchline_core::camera::PtzCamera;
     use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec3};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::SIZE;
 
     fn base() -> CameraBase {
         CameraBase::new(

@@ -191,8 +191,8 @@ mod tests {
     use super::super::edge_residual::View;
     use super::*;
     use touchline_core::geometry::Mat3;
+    use touchline_core::testing::SIZE;
 
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
     const LENS: FocalCurve = FocalCurve {
         at_focal_px: 2000.0,
         value: -0.05,

@@ -1,10 +1,11 @@
 //! The clicked frames that an estimate needs: counted, left out, mirrored, too few.
 
-use super::{Fixture, document, field, visible};
+use super::{Fixture, document, visible};
 use touchline::app::guidance::next_step;
 use touchline::app::{Action, Command, EditAction, PointerAction};
 use touchline::document::{Target, document_to_string};
 use touchline::field::Symmetry;
+use touchline_core::testing::soccer;
 
 #[test]
 fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
@@ -97,7 +98,7 @@ fn a_frame_is_left_out_and_put_back() {
 #[test]
 fn a_mirrored_frame_is_found_and_mended_in_one_step() {
     let mut document = document(6, 6);
-    let field = field();
+    let field = soccer();
     for click in &mut document.frames[2].clicks {
         let Some(Target::Landmark(id)) = &click.target else {
             continue;

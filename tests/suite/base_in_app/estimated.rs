@@ -1,8 +1,7 @@
 //! An estimate is shown, used, discarded, replaced and compared.
 
 use super::{Fixture, document, truth};
-use crate::bench::without_counts;
-use crate::commands::refine_base_command::clicked_match;
+use crate::drawn::clicked_match;
 use touchline::app::guidance::next_step;
 use touchline::app::operation::{Breakdown, Failure, Report};
 use touchline::app::operations::BaseEstimate;
@@ -11,6 +10,7 @@ use touchline::camera::CameraBase;
 use touchline::document::{Document, FieldSize, Frame, SolutionSource, document_to_string};
 use touchline::geometry::Vec3;
 use touchline::store::Outside;
+use touchline_application::testing::without_counts;
 
 /// Camera, residuals and verdict belong to one solution with the base that was found; a frame
 /// without points shows nothing of another base and says so.

@@ -9,38 +9,24 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target};
-use touchline::field::{FieldModel, builtin};
-use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+use touchline::camera::{CameraBase, PtzCamera};
+use touchline::document::{Click, Document, FrameStatus, Target};
+use touchline::geometry::{ImagePoint, ImageSize};
 use touchline::jobs::{Runner, SharedPictures};
+use touchline_core::testing::{TestBase, soccer, turned_base};
+use touchline_documents::testing::{a_match, new_frame};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
-fn field() -> FieldModel {
-    builtin("soccer").unwrap().default_model().unwrap()
-}
-
 fn truth(frame: usize) -> PtzCamera {
-    let angles = BaseAngles {
-        pitch: Angle::from_degrees(-0.4),
-        ..BaseAngles::default()
-    };
-    let base = CameraBase::new(
-        Vec3::new(2.0, -63.0, 19.0),
-        angles.base_from_world(),
-        SIZE.centre(),
-    );
+    let base = turned_base([2.0, -63.0, 19.0], [0.0, -0.4, 0.0], SIZE);
     let pan = [-28.0, 0.0, 27.0, -14.0, 14.0, 5.0][frame % 6];
-    PtzCamera::new(
-        base,
-        Ptz::from_degrees(pan, -12.0, 1300.0 + 60.0 * frame as f64),
-    )
+    base.aim(pan, -12.0, 1300.0 + 60.0 * frame as f64)
 }
 
 /// The landmarks on the ground that a frame shows, well inside.
 fn visible(frame: usize) -> Vec<(Target, ImagePoint)> {
-    let field = field();
+    let field = soccer();
     let inside = |at: &ImagePoint| at.x > 20.0 && at.x < 1260.0 && at.y > 20.0 && at.y < 700.0;
     let on_ground = field
         .landmarks
@@ -59,12 +45,9 @@ fn visible(frame: usize) -> Vec<(Target, ImagePoint)> {
 
 /// A project whose first `clicked` of `frames` frames have points, off by up to a px.
 fn document(frames: usize, clicked: usize) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), SIZE).into());
+    let mut document = a_match(SIZE);
     for index in 0..frames {
-        let mut frame = Frame::from_image(&format!("{index}.png"), "main".into(), SIZE);
+        let mut frame = new_frame(&format!("{index}.png"), SIZE);
         if index < clicked {
             frame.status = FrameStatus::Draft;
             frame.clicks = visible(index)

@@ -2,10 +2,11 @@
 #![cfg(feature = "opencv")]
 
 use crate::drawn_clip::{drawn_clip, landmark_errors_px, visible_landmarks};
-use crate::program::{document, touchline, write};
+use crate::program::touchline;
 use touchline::document::{Camera, Click, FrameStatus};
 use touchline::field::LandmarkId;
 use touchline::geometry::ImagePoint;
+use touchline_documents::testing::{load, save};
 
 /// The four landmarks on the ground that lie farthest from the middle of the picture.
 fn four_corners(mut shown: Vec<(LandmarkId, ImagePoint)>) -> Vec<Click> {
@@ -33,12 +34,12 @@ fn four_clicks_in_one_frame_label_the_whole_clip() {
         frame.clicks.clear();
     }
     clicked.frames[0].clicks = four_corners(visible_landmarks(&truth, 0));
-    write(&folder.join("clicked.json"), &clicked);
+    save(&folder.join("clicked.json"), &clicked);
 
     let ran = touchline(&folder, "calibrate clicked.json -o labelled");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     assert!(ran.stderr.contains("from its clicks"), "{}", ran.stderr);
-    let labelled = document(&folder.join("labelled/project.json"));
+    let labelled = load(folder.join("labelled/project.json"));
     for index in 0..labelled.frames.len() {
         let errors_px = landmark_errors_px(&labelled, &truth, index).unwrap();
         let worst_px = errors_px.into_iter().fold(0.0, f64::max);

@@ -1,7 +1,8 @@
 //! `touchline calibrate`: the camera of a drawn match without a click.
 #![cfg(feature = "opencv")]
 
-use crate::program::{document, touchline, write};
+use crate::drawn::draw;
+use crate::program::touchline;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -14,6 +15,7 @@ use touchline::markings::project_landmarks;
 use touchline::media::FrameReader;
 use touchline::progress::Progress;
 use touchline::proposals::read_picture;
+use touchline_documents::testing::{load, save};
 
 /// How far a frame's overlay is off at the corners of a grid over the ground it shows, px: the
 /// greatest.
@@ -47,7 +49,7 @@ fn worst_px(found: &Document, truth: &Document, frame: usize) -> f64 {
 /// What the search makes of a new project in which somebody has clicked wrong places all over,
 /// written without these clicks.
 fn without_a_click(folder: &Path) -> String {
-    let bare = document(&folder.join("project.json"));
+    let bare = load(folder.join("project.json"));
     let mut clicked = bare.clone();
     for (index, frame) in clicked.frames.iter_mut().enumerate() {
         let at = ImagePoint::new(100.0 + 50.0 * index as f64, 300.0);
@@ -98,30 +100,29 @@ fn click_two(project: &Path, truth: &Document) {
     let apart_m =
         |[one, other]: &[&(&Landmark, ImagePoint); 2]| (one.0.nominal_m - other.0.nominal_m).norm();
     let farthest = pairs.max_by(|a, b| apart_m(a).total_cmp(&apart_m(b)));
-    let mut clicked = document(project);
+    let mut clicked = load(project);
     clicked.frames[0].clicks = farthest
         .unwrap()
         .map(|(landmark, at)| Click::landmark(landmark.id.clone(), *at))
         .to_vec();
-    write(project, &clicked);
+    save(project, &clicked);
 }
 
 #[test]
 fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in_it() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 12 --seed 5 --size 960x540 --preset easy",
+        "--frames 12 --seed 5 --size 960x540 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let ran = touchline(
         place.path(),
         "calibrate match/images -o found --panorama map.png",
-    );
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    )
+    .done();
     let (found, truth) = (
-        document(&place.path().join("found/project.json")),
-        document(&place.path().join("match/truth.json")),
+        load(place.path().join("found/project.json")),
+        load(place.path().join("match/truth.json")),
     );
     let (base, exact) = (
         found.cameras[0].base().unwrap(),
@@ -151,11 +152,11 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
         "lines and paint: {colours:?}"
     );
 
-    let made = touchline(
+    touchline(
         place.path(),
         "new again --frames match/images --field soccer",
-    );
-    assert_eq!(made.code, 0, "{}", made.stderr);
+    )
+    .done();
     let again = without_a_click(&place.path().join("again"));
     let text = fs::read_to_string(place.path().join("found/project.json")).unwrap();
     assert_eq!(
@@ -176,9 +177,8 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
         assert!(!place.path().join("twice").exists(), "{arguments}");
     }
     click_two(&place.path().join("again/project.json"), &truth);
-    let by_clicks = touchline(place.path(), "calibrate again -o by_clicks --found-only");
-    assert_eq!(by_clicks.code, 0, "{}", by_clicks.stderr);
-    let by_clicks = document(&place.path().join("by_clicks/project.json"));
+    touchline(place.path(), "calibrate again -o by_clicks --found-only").done();
+    let by_clicks = load(place.path().join("by_clicks/project.json"));
     assert_eq!(by_clicks.frames[0].clicks.len(), 2, "they are kept");
     let at_m = by_clicks.cameras[0].base().unwrap().position_m;
     assert!((at_m - exact.position_m).norm() < 0.2, "{at_m:?}");
@@ -187,12 +187,7 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
         place.path(),
         "calibrate match/images -o other --field basketball_fiba",
     );
-    assert_eq!(
-        (other.code, other.stderr.trim_end().lines().count()),
-        (1, 1),
-        "{}",
-        other.stderr
-    );
+    other.assert_refused(1);
     let refusals = ["not certain", "no place for the camera"];
     assert!(
         refusals
@@ -229,12 +224,7 @@ fn the_pictures_of_a_document_are_found_from_a_project_behind_a_link() {
     assert_eq!(made.code, 0, "{}", made.stderr);
     let ran = touchline(place.path(), "calibrate match -o link/found");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(
-        ran.stderr
-            .contains("no two of the 4 frames match each other"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("no two of the 4 frames match each other");
 }
 
 #[test]

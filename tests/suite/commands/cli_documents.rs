@@ -4,15 +4,17 @@ use crate::program::touchline;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::camera::{CameraBase, Ptz, PtzCamera};
 use touchline::document::{
-    Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, Solution,
-    SolutionSource, document_to_string,
+    Camera, Click, Document, Edit, Frame, FramePtz, FrameStatus, SolutionSource, document_to_string,
 };
 use touchline::exchange::Format;
-use touchline::field::builtin;
-use touchline::geometry::{Angle, ImageSize, Vec3};
+use touchline::geometry::ImageSize;
 use touchline::store::{Access, DocumentStore as _, Location, open, read, write_document};
+use touchline_core::testing::{TestBase, landmark_in, soccer, turned_base};
+use touchline_documents::testing::{
+    WithFrames, a_match, match_from, new_frame, save, soccer_document, solved_by,
+};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -37,15 +39,7 @@ fn pictures() -> TempDir {
 }
 
 fn base() -> CameraBase {
-    let angles = BaseAngles {
-        pitch: Angle::from_degrees(-1.0),
-        ..BaseAngles::default()
-    };
-    CameraBase::new(
-        Vec3::new(1.0, -58.0, 16.0),
-        angles.base_from_world(),
-        SIZE.centre(),
-    )
+    turned_base([1.0, -58.0, 16.0], [0.0, -1.0, 0.0], SIZE)
 }
 
 const LANDMARKS: [&str; 5] = [
@@ -58,25 +52,20 @@ const LANDMARKS: [&str; 5] = [
 
 /// The camera of frame `index`.
 fn truth(index: usize) -> PtzCamera {
-    PtzCamera::new(
-        base(),
-        Ptz::from_degrees(
-            18.0 + index as f64 * 0.5,
-            -11.0,
-            1500.0 + index as f64 * 10.0,
-        ),
+    base().aim(
+        18.0 + index as f64 * 0.5,
+        -11.0,
+        1500.0 + index as f64 * 10.0,
     )
 }
 
 /// A frame with its first `clicks` landmarks clicked exactly.
 fn clicked_frame(index: usize, clicks: usize) -> Frame {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let mut frame = Frame::from_image(&format!("images/{index}.png"), "main".into(), SIZE);
+    let field = soccer();
+    let mut frame = new_frame(&format!("images/{index}.png"), SIZE);
     frame.status = FrameStatus::Draft;
     for name in &LANDMARKS[..clicks] {
-        let at = truth(index)
-            .image_from_world(field.landmark_in_world(field.landmark(name).unwrap()))
-            .unwrap();
+        let at = landmark_in(&truth(index), &field, name);
         assert!(SIZE.contains(at), "{name} {at:?}");
         frame.clicks.push(Click::landmark((*name).into(), at));
     }
@@ -85,20 +74,13 @@ fn clicked_frame(index: usize, clicks: usize) -> Frame {
 
 /// A document of frames with this many clicks each, written to `doc.json`.
 fn clicked_document(folder: &Path, clicks: &[usize]) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
+    let mut document = match_from(&base(), SIZE);
     document.frames = clicks
         .iter()
         .enumerate()
         .map(|(index, clicks)| clicked_frame(index, *clicks).into())
         .collect();
-    fs::write(
-        folder.join("doc.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.join("doc.json"), &document);
     document
 }
 
@@ -194,17 +176,12 @@ fn new_again_adds_the_images_that_came_and_changes_nothing_else() {
     let project = folder.path().join("match");
     let mut document = read(&project).unwrap().1;
     document.frames[1].comment = Some("rain".to_owned());
-    fs::write(
-        project.join("project.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(project.join("project.json"), &document);
     let frames = folder.path().join("frames");
     fs::copy(frames.join("2.png"), frames.join("3.png")).unwrap();
     fs::copy(frames.join("2.png"), frames.join("x.png")).unwrap();
     fs::remove_file(frames.join("10.png")).unwrap();
-    let ran = touchline(folder.path(), new);
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let ran = touchline(folder.path(), new).done();
     let says = "2 new images added, 5 frames in all; 1 image not in the folder any more\n";
     assert!(ran.stderr.ends_with(says), "{}", ran.stderr);
     let now = read(&project).unwrap().1;
@@ -243,8 +220,7 @@ fn new_names_what_it_leaves_out() {
 fn solve_gives_ptz_and_solution_and_keeps_statuses() {
     let folder = tempfile::tempdir().unwrap();
     let before = clicked_document(folder.path(), &[2, 5, 1, 0, 3]);
-    let ran = touchline(folder.path(), "solve doc.json -o out/solved.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let ran = touchline(folder.path(), "solve doc.json -o out/solved.json").done();
     assert_eq!(
         ran.stderr,
         "touchline: 3 frames solved, 0 failed, 2 with too few clicks\n"
@@ -305,11 +281,7 @@ fn solve_names_the_frames_that_could_not_be() {
     document.frames[1].camera = "baseless".into();
     document.frames[2].clicks[0] = Click::landmark("nowhere".into(), SIZE.centre());
     document.frames[2].ptz = Some(FramePtz::new(truth(2).ptz(), None));
-    fs::write(
-        folder.path().join("doc.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.path().join("doc.json"), &document);
     let ran = touchline(folder.path(), "--json solve doc.json -o solved.json");
     assert_eq!(ran.code, 1);
     let failed: Vec<serde_json::Value> = ran
@@ -370,10 +342,7 @@ fn a_command_counts_an_edit_of_the_frames_that_it_changes() {
 fn commands_see_what_only_the_journal_holds() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("match");
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .frames
-        .push(Frame::from_image("a.png", "main".into(), SIZE).into());
+    let document = soccer_document().with_pictures(["a.png"], SIZE);
     write_document(
         &Location::for_new_document(&path.join("")).unwrap(),
         &document,
@@ -514,13 +483,8 @@ fn a_command_in_place_ends_the_journal_that_it_read() {
     // A session that did not write the document leaves its journal.
     drop(store);
 
-    let ran = touchline(folder.path(), "solve doc.json -o doc.json --force");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("Recovered 1 edit: Comment."),
-        "{}",
-        ran.stderr
-    );
+    let ran = touchline(folder.path(), "solve doc.json -o doc.json --force").done();
+    ran.assert_says("Recovered 1 edit: Comment.");
     let (location, solved, recovery) = read(&path).unwrap();
     assert!(recovery.is_empty(), "{recovery:?}");
     assert_eq!(solved.frames[1].comment, after.frames[1].comment);
@@ -542,10 +506,7 @@ fn cameras_that_were_decided_are_solved_again_only_on_request() {
         let frame = &mut document.frames[index];
         frame.status = FrameStatus::Reference;
         frame.ptz = Some(set.clone());
-        frame.solution = Some(Solution {
-            source: Some(source),
-            ..Solution::default()
-        });
+        frame.solution = solved_by(source);
     }
     let text = document_to_string(&document).unwrap();
     fs::write(folder.path().join("doc.json"), text).unwrap();
@@ -613,10 +574,8 @@ fn what_is_no_document_is_not_replaced_by_one_nor_a_document_by_another_kind() {
 #[test]
 fn a_document_that_is_open_elsewhere_is_refused_before_the_work_begins() {
     let folder = tempfile::tempdir().unwrap();
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), SIZE).into());
+
+    let document = a_match(SIZE);
     let project = folder.path().join("match");
     write_document(
         &Location::for_new_document(&project.join("")).unwrap(),
@@ -653,13 +612,8 @@ fn a_document_that_is_open_elsewhere_is_refused_before_the_work_begins() {
 fn an_import_of_a_document_sees_its_journal() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("match");
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), SIZE).into());
-    document
-        .frames
-        .push(Frame::from_image("a.png", "main".into(), SIZE).into());
+
+    let document = a_match(SIZE).with_pictures(["a.png"], SIZE);
     write_document(
         &Location::for_new_document(&path.join("")).unwrap(),
         &document,
@@ -676,11 +630,11 @@ fn an_import_of_a_document_sees_its_journal() {
     store
         .append(&[Edit::between(&document, &after, "Click")])
         .unwrap();
-    let ran = touchline(
+    touchline(
         folder.path(),
         "import match/project.json --format json -o imported.json",
-    );
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    )
+    .done();
     assert_eq!(
         read(&folder.path().join("imported.json")).unwrap().1.frames[0]
             .clicks
@@ -704,11 +658,11 @@ fn a_field_of_the_users_own_is_found_from_where_the_document_lies() {
         .code,
         0
     );
-    let ran = touchline(
+    touchline(
         folder.path(),
         "import labels/out --format labelme --field mine.json --size 1280x720 -o deep/doc.json",
-    );
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    )
+    .done();
     let (location, imported, _) = read(&folder.path().join("deep/doc.json")).unwrap();
     imported.field.model(location.folder()).unwrap();
 }
@@ -730,21 +684,13 @@ fn a_result_goes_through_a_pipe_by_its_name() {
         folder.path(),
         "export doc.json --format json --status draft",
     );
-    assert!(
-        filtered.stdout.contains("\"images/0.png\""),
-        "{}",
-        filtered.stdout
-    );
+    filtered.assert_prints("\"images/0.png\"");
     fs::create_dir(folder.path().join("elsewhere")).unwrap();
     let elsewhere = touchline(
         &folder.path().join("elsewhere"),
         "export ../doc.json --format json --status draft",
     );
-    assert!(
-        elsewhere.stdout.contains("\"../images/0.png\""),
-        "{}",
-        elsewhere.stdout
-    );
+    elsewhere.assert_prints("\"../images/0.png\"");
 }
 
 #[test]
@@ -752,11 +698,7 @@ fn a_check_prints_no_character_that_a_terminal_obeys() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = clicked_document(folder.path(), &[1]);
     document.frames[0].image = Some("a\u{1b}[2J\u{202e}.png".to_owned());
-    fs::write(
-        folder.path().join("doc.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.path().join("doc.json"), &document);
     let ran = touchline(folder.path(), "check doc.json");
     assert!(
         ran.stdout.contains(r"a\u{1b}[2J\u{202e}.png"),

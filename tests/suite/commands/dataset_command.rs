@@ -5,14 +5,15 @@ use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+use touchline::camera::Ptz;
 use touchline::document::{
-    Camera, Click, Clip, Document, Extra, FieldSpec, Frame, FramePtz, FrameStatus, Shot, ShotEnd,
-    ShotKind, Solution, SolutionSource, VideoFrame, document_to_string,
+    Camera, Click, Clip, Document, Extra, FramePtz, FrameStatus, Shot, ShotEnd, ShotKind, Solution,
+    SolutionSource, VideoFrame,
 };
-use touchline::field::builtin;
-use touchline::geometry::{ImageSize, Vec3};
+use touchline::geometry::ImageSize;
 use touchline::store::read;
+use touchline_core::testing::{TestBase, base_at, landmark_in, soccer};
+use touchline_documents::testing::{match_from, new_frame, save};
 
 const SIZE: ImageSize = ImageSize::new(160, 90);
 
@@ -24,19 +25,8 @@ fn document(folder: &Path) -> Document {
 
 /// The same with pictures of another size.
 fn document_of(folder: &Path, size: ImageSize) -> Document {
-    let base = CameraBase {
-        distortion: FocalCurve::constant(-0.1),
-        ..CameraBase::new(
-            Vec3::new(1.0, -58.0, 16.0),
-            BaseAngles::default().base_from_world(),
-            size.centre(),
-        )
-    };
-    let field = builtin("soccer").unwrap().default_model().unwrap();
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), size);
-    camera.set_base(&base);
-    document.cameras.push(camera.into());
+    let field = soccer();
+    let mut document = match_from(&base_at([1.0, -58.0, 16.0], size).bent(-0.1), size);
     fs::create_dir_all(folder.join("images")).unwrap();
     for index in 0..15_u8 {
         let name = format!("images/{index:04}.jpg");
@@ -44,7 +34,7 @@ fn document_of(folder: &Path, size: ImageSize) -> Document {
         image::RgbImage::from_fn(size.width, size.height, shade)
             .save(folder.join(&name))
             .unwrap();
-        let mut frame = Frame::from_image(&name, "main".into(), size);
+        let mut frame = new_frame(&name, size);
         frame.clip = Some(Clip::Number(i64::from(index / 3)));
         frame.status = match index {
             12 => FrameStatus::Suggested,
@@ -65,14 +55,7 @@ fn document_of(folder: &Path, size: ImageSize) -> Document {
         });
         if let Some(camera) = document.cameras[0].ptz_camera(&frame) {
             for name in ["centre_mark", "halfway_far"] {
-                let landmark = field
-                    .landmarks
-                    .iter()
-                    .find(|landmark| landmark.id.as_str() == name)
-                    .unwrap();
-                let at = camera
-                    .image_from_world(field.landmark_in_world(landmark))
-                    .unwrap();
+                let at = landmark_in(&camera, &field, name);
                 frame.clicks.push(Click {
                     check: name == "halfway_far",
                     ..Click::landmark(name.into(), at)
@@ -81,11 +64,7 @@ fn document_of(folder: &Path, size: ImageSize) -> Document {
         }
         document.frames.push(frame.into());
     }
-    fs::write(
-        folder.join("doc.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.join("doc.json"), &document);
     document
 }
 
@@ -123,18 +102,8 @@ fn a_dataset_is_whole_and_says_what_it_is() {
     fs::create_dir(folder.path().join("out")).unwrap();
     let ran = touchline(folder.path(), command);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(
-        ran.stderr
-            .contains("images/0014.jpg: it has neither clicks nor a camera"),
-        "{}",
-        ran.stderr
-    );
-    assert!(
-        ran.stderr
-            .contains("12 frames (train 6, validation 3, test 3) and 24 pictures in out/set"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("images/0014.jpg: it has neither clicks nor a camera");
+    ran.assert_says("12 frames (train 6, validation 3, test 3) and 24 pictures in out/set");
     let written = files(&folder.path().join("out/set"));
     let listed: BTreeMap<String, String> = text(&written, "manifest.sha256")
         .lines()
@@ -217,7 +186,7 @@ fn a_dataset_is_whole_and_says_what_it_is() {
     for frame in &plain.frames {
         let camera = plain.ptz_camera(frame).unwrap();
         assert!(camera.lens().is_none());
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let landmark = field
             .landmarks
             .iter()
@@ -336,17 +305,8 @@ fn frames_and_pictures_are_chosen() {
         folder.path(),
         "export doc.json --dataset linked --status suggested,reference --images link",
     );
-    assert!(
-        ran.stderr
-            .contains("1 frame with a camera that has not been reviewed"),
-        "{}",
-        ran.stderr
-    );
-    assert!(
-        ran.stderr.contains("13 frames and 13 pictures in linked"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("1 frame with a camera that has not been reviewed");
+    ran.assert_says("13 frames and 13 pictures in linked");
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;
@@ -357,55 +317,30 @@ fn frames_and_pictures_are_chosen() {
         folder.path(),
         "export doc.json --dataset left --images none",
     );
-    assert!(
-        ran.stderr.contains("12 frames and 0 pictures in left"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("12 frames and 0 pictures in left");
     let (_, left, _) = read(&folder.path().join("left/dataset.json")).unwrap();
     assert_eq!(left.frames[0].image.as_deref(), Some("../images/0000.jpg"));
     let ran = touchline(
         folder.path(),
         "export doc.json --dataset anew --images extract --image-format png",
     );
-    assert!(
-        ran.stderr.contains("12 frames and 12 pictures in anew"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("12 frames and 12 pictures in anew");
     let pixels = |path: &str| image::open(folder.path().join(path)).unwrap().into_rgb8();
     assert_eq!(pixels("anew/images/0003.png"), pixels("images/0003.jpg"));
     let ran = touchline(
         folder.path(),
         "export doc.json --dataset smaller --images extract --image-format jpg",
     );
-    assert!(
-        ran.stderr.contains("12 frames and 12 pictures in smaller"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("12 frames and 12 pictures in smaller");
     assert!(folder.path().join("smaller/images/0003.jpg").is_file());
     // A picture that is not the one that was labelled, one that is gone, and two of one name.
     document.frames[0].sha256 = Some("00".repeat(32));
     fs::remove_file(folder.path().join("images/0001.jpg")).unwrap();
-    fs::write(
-        folder.path().join("doc.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.path().join("doc.json"), &document);
     let ran = touchline(folder.path(), "export doc.json --dataset some");
-    assert!(
-        ran.stderr
-            .contains("images/0000.jpg: its picture changed since it was labelled"),
-        "{}",
-        ran.stderr
-    );
-    assert!(ran.stderr.contains("images/0001.jpg: "), "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("10 frames and 10 pictures in some"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("images/0000.jpg: its picture changed since it was labelled");
+    ran.assert_says("images/0001.jpg: ");
+    ran.assert_says("10 frames and 10 pictures in some");
     assert!(!folder.path().join("some/images/0000.jpg").exists());
     for (number, options) in [
         "--images extract",
@@ -436,19 +371,10 @@ fn frames_and_pictures_are_chosen() {
     )
     .unwrap();
     document.frames[3].image = Some(other.join("0002.jpg").to_string_lossy().into_owned());
-    fs::write(
-        folder.path().join("doc.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.path().join("doc.json"), &document);
     let ran = touchline(folder.path(), "export doc.json --dataset twice");
     assert_eq!(ran.code, 2);
-    assert!(
-        ran.stderr
-            .contains("would both be written as images/0002.jpg"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("would both be written as images/0002.jpg");
     assert!(!folder.path().join("twice").exists());
 }
 
@@ -464,35 +390,18 @@ fn pictures_from_outside_of_the_project_are_asked_for() {
     )
     .unwrap();
     document.frames[1].image = Some("../private.jpg".to_owned());
-    fs::write(
-        project.join("doc.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(project.join("doc.json"), &document);
     let ran = touchline(&project, "export doc.json --dataset set");
     let says = "private.jpg lies outside of the project; --outside-pictures takes it too";
     assert!(ran.code == 1 && ran.stderr.contains(says), "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("11 frames and 11 pictures in set"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("11 frames and 11 pictures in set");
     assert!(!project.join("set/images/private.jpg").exists());
     let ran = touchline(&project, "export doc.json --dataset all --outside-pictures");
-    assert!(
-        ran.stderr
-            .contains("1 picture from outside of the project, the first is "),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("1 picture from outside of the project, the first is ");
     assert!(project.join("all/images/private.jpg").is_file());
     // What is only named is not taken along.
     let ran = touchline(&project, "export doc.json --dataset named --images none");
-    assert!(
-        ran.stderr.contains("12 frames and 0 pictures in named"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("12 frames and 0 pictures in named");
 }
 
 #[test]
@@ -526,11 +435,7 @@ fn shots_of_another_video_stay_behind() {
             extra: Extra::new(),
         });
     }
-    fs::write(
-        folder.path().join("doc.json"),
-        document_to_string(&document).unwrap(),
-    )
-    .unwrap();
+    save(folder.path().join("doc.json"), &document);
     for (camera, shots) in [("main", 2), ("second", 0)] {
         let ran = touchline(
             folder.path(),
@@ -569,13 +474,8 @@ fn wrong_usage_is_one_line() {
         ),
     ] {
         let ran = touchline(folder.path(), arguments);
-        assert_eq!(
-            (ran.code, ran.stderr.lines().count()),
-            (2, 1),
-            "{}",
-            ran.stderr
-        );
-        assert!(ran.stderr.contains(wanted), "{}", ran.stderr);
+        ran.assert_refused(2);
+        ran.assert_says(wanted);
     }
     assert!(!folder.path().join("a").exists());
 }

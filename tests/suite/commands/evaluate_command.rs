@@ -4,13 +4,12 @@ use crate::program::touchline;
 use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::document::{
-    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution,
-};
-use touchline::field::builtin;
+use touchline::camera::{Ptz, PtzCamera};
+use touchline::document::{Camera, Click, Clip, Document, FramePtz, FrameStatus, Solution};
 use touchline::geometry::{Angle, ImageSize, Mat3, Vec3};
 use touchline::store::{Location, write_document};
+use touchline_core::testing::{landmark_in, soccer, turned_base};
+use touchline_documents::testing::{match_from, new_frame};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -19,22 +18,11 @@ fn ptz(index: usize) -> Ptz {
 }
 
 fn document(frames: usize) -> Document {
-    let angles = BaseAngles {
-        pitch: Angle::from_degrees(-1.0),
-        ..BaseAngles::default()
-    };
-    let base = CameraBase::new(
-        Vec3::new(1.0, -58.0, 16.0),
-        angles.base_from_world(),
-        SIZE.centre(),
-    );
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base);
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(camera.into());
-    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let base = turned_base([1.0, -58.0, 16.0], [0.0, -1.0, 0.0], SIZE);
+    let mut document = match_from(&base, SIZE);
+    let field = soccer();
     for index in 0..frames {
-        let mut frame = Frame::from_image(&format!("images/{index}.jpg"), "main".into(), SIZE);
+        let mut frame = new_frame(&format!("images/{index}.jpg"), SIZE);
         frame.status = FrameStatus::Reference;
         frame.clip = Some(Clip::Number(index as i64 / 2));
         frame.ptz = Some(FramePtz::new(ptz(index), None));
@@ -44,9 +32,7 @@ fn document(frames: usize) -> Document {
             "centre_circle_right",
             "penalty_arc_near_right",
         ] {
-            let at = exact
-                .image_from_world(field.landmark_in_world(field.landmark(name).unwrap()))
-                .unwrap();
+            let at = landmark_in(&exact, &field, name);
             if SIZE.contains(at) {
                 frame.clicks.push(Click::landmark(name.into(), at));
             }
@@ -91,7 +77,7 @@ fn folder() -> TempDir {
     estimate.frames.remove(3);
     estimate
         .frames
-        .push(Frame::from_image("images/more.jpg", "main".into(), SIZE).into());
+        .push(new_frame("images/more.jpg", SIZE).into());
     write(folder.path(), "truth.json", &truth);
     write(folder.path(), "estimate.json", &estimate);
     folder
@@ -156,8 +142,7 @@ fn errors_are_those_put_in_and_missing_frames_are_named() {
 #[test]
 fn a_document_is_right_by_itself() {
     let folder = folder();
-    let ran = touchline(folder.path(), "evaluate truth.json truth.json --json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let ran = touchline(folder.path(), "evaluate truth.json truth.json --json").done();
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
     let measures = &report["summary"]["measures"];
     for (key, expected) in [
@@ -180,8 +165,7 @@ fn a_truth_of_clicks_alone_measures_clicks() {
         frame.ptz = None;
     }
     write(folder.path(), "clicks.json", &clicks);
-    let ran = touchline(folder.path(), "evaluate clicks.json estimate.json --json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let ran = touchline(folder.path(), "evaluate clicks.json estimate.json --json").done();
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
     let measures = report["summary"]["measures"].as_object().unwrap();
     assert!(measures.contains_key("held_out_px") && !measures.contains_key("iou_part"));
@@ -234,11 +218,7 @@ fn files_are_written_by_their_ending_and_never_over_something() {
     );
     let wrong = run("-o scores.txt");
     assert_eq!(wrong.code, 2);
-    assert!(
-        wrong.stderr.contains(".json, .csv or .md"),
-        "{}",
-        wrong.stderr
-    );
+    wrong.assert_says(".json, .csv or .md");
     // The same input and seed give the same bytes.
     assert_eq!(run("").stdout, text("scores.json"));
     assert!(
@@ -254,19 +234,9 @@ fn nothing_to_compare_with_is_said_in_one_line() {
     write(folder.path(), "empty.json", &document(0));
     let ran = touchline(folder.path(), "evaluate empty.json estimate.json");
     assert_eq!(ran.code, 2);
-    assert!(
-        ran.stderr
-            .contains("no frame of the truth has a camera or a named click"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("no frame of the truth has a camera or a named click");
     let missing = touchline(folder.path(), "evaluate truth.json nowhere.json");
-    assert_eq!(
-        (missing.code, missing.stderr.lines().count()),
-        (2, 1),
-        "{}",
-        missing.stderr
-    );
+    missing.assert_refused(2);
 }
 
 #[test]
@@ -296,8 +266,7 @@ fn no_name_is_a_formula_in_the_table() {
     let mut truth = document(1);
     truth.frames[0].image = Some("=cmd|'-1'!A0".to_owned());
     write(folder.path(), "named.json", &truth);
-    let ran = touchline(folder.path(), "evaluate named.json named.json -o named.csv");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    touchline(folder.path(), "evaluate named.json named.json -o named.csv").done();
     let table = std::fs::read_to_string(folder.path().join("named.csv")).unwrap();
     assert!(
         table.lines().nth(1).unwrap().starts_with("'=cmd"),
@@ -328,8 +297,8 @@ fn metres_on_the_ground_are_those_put_in() {
         let ran = touchline(
             folder.path(),
             &format!("evaluate truth.json estimate.json {points} --json"),
-        );
-        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        )
+        .done();
         let report: Value = serde_json::from_str(&ran.stdout).unwrap();
         let ground = &report["ground"];
         assert_eq!(ground["points"], kind);
@@ -346,16 +315,11 @@ fn metres_on_the_ground_are_those_put_in() {
         "evaluate truth.json estimate.json --points feet.csv --table",
     );
     let line = "On the ground, at 2 given points in 2 frames: median 1.000 m, 95 % within 1.000 m.";
-    assert!(ran.stdout.contains(line), "{}", ran.stdout);
+    ran.assert_prints(line);
     std::fs::write(folder.path().join("bad.txt"), "1,2,3\n").unwrap();
     let ran = touchline(
         folder.path(),
         "evaluate truth.json estimate.json --points bad.txt",
     );
-    assert_eq!(
-        (ran.code, ran.stderr.lines().count()),
-        (2, 1),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_refused(2);
 }

@@ -67,8 +67,7 @@ fn a_template_of_ones_own_is_drawn_and_nothing_is_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let own = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/fields/tennis.json");
     fs::copy(own, folder.path().join("own.json")).unwrap();
-    let drawn = touchline(folder.path(), "fields own.json --render own.svg");
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    touchline(folder.path(), "fields own.json --render own.svg").done();
     let svg = fs::read_to_string(folder.path().join("own.svg")).unwrap();
     assert!(svg.starts_with("<svg ") && svg.contains("Service line meets centre line, left"));
     let again = touchline(folder.path(), "fields own.json --render own.svg");

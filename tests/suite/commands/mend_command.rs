@@ -2,13 +2,12 @@
 #![cfg(feature = "opencv")]
 
 use crate::drawn_clip::{drawn_clip, landmark_errors_px};
-use crate::program::{document, touchline, write};
+use crate::program::touchline;
 use std::path::Path;
 use touchline::camera::{CameraBase, FocalCurve, Ptz};
-use touchline::document::{
-    Camera, CameraId, Document, FramePtz, FrameStatus, Solution, SolutionSource,
-};
+use touchline::document::{Camera, CameraId, Document, FramePtz, FrameStatus, SolutionSource};
 use touchline::geometry::{Angle, Mat3, Vec3};
+use touchline_documents::testing::{load, save, solved_by};
 
 /// The clip with one camera for each frame, as another program gives them: without a lens, each at
 /// a place of its own, and `spoil` may spoil those of some frames.
@@ -34,17 +33,14 @@ fn foreign_clip(truth: &Document, spoil: impl Fn(usize, &mut CameraBase, &mut Pt
         frame.clicks.clear();
         frame.ptz = Some(FramePtz::new(ptz, None));
         frame.status = FrameStatus::Suggested;
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Import),
-            ..Solution::default()
-        });
+        frame.solution = solved_by(SolutionSource::Import);
     }
     given
 }
 
 /// The greatest distance of a landmark from where it is in the pictures, px at the worst frame.
 fn worst_px(folder: &Path, truth: &Document) -> f64 {
-    let mended = document(&folder.join("mended.json"));
+    let mended = load(folder.join("mended.json"));
     assert_eq!(mended.cameras.len(), 1, "one camera that stands still");
     let worst = |index: usize| {
         let errors = landmark_errors_px(&mended, truth, index);
@@ -65,12 +61,11 @@ fn absurd_and_displaced_cameras_come_back_onto_the_lines() {
         17 => base.position_m.z = -4.0,
         _ => {}
     });
-    write(&folder.join("given.json"), &given);
-    let ran = touchline(&folder, "mend given.json -o mended.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    save(folder.join("given.json"), &given);
+    let ran = touchline(&folder, "mend given.json -o mended.json").done();
     let worst = worst_px(&folder, &truth);
     assert!(worst < 2.0, "{worst} px\n{}{}", ran.stderr, ran.stdout);
-    let mended = document(&folder.join("mended.json"));
+    let mended = load(folder.join("mended.json"));
     let imported = |index: usize| {
         let solution = mended.frames[index].solution.clone().unwrap();
         solution.imported.unwrap()
@@ -80,8 +75,8 @@ fn absurd_and_displaced_cameras_come_back_onto_the_lines() {
     assert!(imported(17).position_m.z < 0.0 && imported(17).fault.is_some());
     let moved_px = imported(7).moved_px.unwrap();
     assert!((moved_px - 20.0).abs() < 4.0, "{moved_px}");
-    assert!(ran.stdout.contains("of these impossible"), "{}", ran.stdout);
-    assert!(ran.stderr.contains("agree on 1 place"), "{}", ran.stderr);
+    ran.assert_prints("of these impossible");
+    ran.assert_says("agree on 1 place");
 }
 
 #[test]
@@ -96,14 +91,9 @@ fn cameras_that_are_all_mirrored_are_named_as_such() {
         base.base_from_world = reflect * base.base_from_world * reflect;
         ptz.pan = -ptz.pan;
     });
-    write(&folder.join("given.json"), &given);
-    let ran = touchline(&folder, "mend given.json -o mended.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("mirrored left to right"),
-        "{}",
-        ran.stderr
-    );
+    save(folder.join("given.json"), &given);
+    let ran = touchline(&folder, "mend given.json -o mended.json").done();
+    ran.assert_says("mirrored left to right");
     let worst = worst_px(&folder, &truth);
     assert!(worst < 2.0, "{worst} px");
 }
@@ -129,10 +119,10 @@ fn what_cannot_be_mended_is_said_in_one_line_and_nothing_is_written() {
         (absurd, "cameras is possible"),
         (scattered, "do not agree on a place"),
     ] {
-        write(&folder.join("given.json"), &given);
+        save(folder.join("given.json"), &given);
         let ran = touchline(&folder, "mend given.json -o mended.json");
         assert_eq!(ran.code, 2, "{}", ran.stderr);
-        assert!(ran.stderr.contains(expected), "{}", ran.stderr);
+        ran.assert_says(expected);
         assert_eq!(ran.stderr.trim().lines().count(), 1, "{}", ran.stderr);
         assert!(!folder.join("mended.json").exists());
     }
@@ -149,22 +139,16 @@ fn cameras_without_a_video_are_compared_with_each_other() {
         17 => base.position_m.z = -4.0,
         _ => {}
     });
-    write(&folder.join("given.json"), &given);
-    let exported = touchline(&folder, "export given.json --format soccernet -o cameras");
-    assert_eq!(exported.code, 0, "{}", exported.stderr);
+    save(folder.join("given.json"), &given);
+    touchline(&folder, "export given.json --format soccernet -o cameras").done();
     let size = truth.frames[0].image_size;
     let order = format!(
         "mend cameras --size {}x{} -o numbers.json",
         size.width, size.height
     );
-    let ran = touchline(&folder, &order);
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("nothing was compared with a picture"),
-        "{}",
-        ran.stderr
-    );
-    let mended = document(&folder.join("numbers.json"));
+    let ran = touchline(&folder, &order).done();
+    ran.assert_says("nothing was compared with a picture");
+    let mended = load(folder.join("numbers.json"));
     assert_eq!(mended.cameras.len(), 1);
     let sources = [7, 13, 17].map(|index| mended.frames[index].solution.clone().unwrap().source);
     assert_eq!(sources, [Some(SolutionSource::Interpolated); 3]);
@@ -186,17 +170,16 @@ fn cameras_without_a_video_are_compared_with_each_other() {
             base.position_m += Vec3::new(12.0, -9.0, 5.0);
         }
     });
-    write(&folder.join("apart.json"), &apart);
-    let exported = touchline(&folder, "export apart.json --format soccernet -o apart");
-    assert_eq!(exported.code, 0, "{}", exported.stderr);
+    save(folder.join("apart.json"), &apart);
+    touchline(&folder, "export apart.json --format soccernet -o apart").done();
     let order = format!(
         "mend apart --size {}x{} -o two.json",
         size.width, size.height
     );
     let ran = touchline(&folder, &order);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("it is as it came"), "{}", ran.stderr);
-    let two = document(&folder.join("two.json"));
+    ran.assert_says("it is as it came");
+    let two = load(folder.join("two.json"));
     let last = two.frames.last().unwrap();
     assert_eq!((two.cameras.len(), last.status), (2, FrameStatus::Draft));
     // A video alone has no cameras.

@@ -1,14 +1,14 @@
 //! `touchline split` and `touchline merge`: work handed out in packages and put together again.
 
+use crate::drawn::draw;
 use crate::program::touchline;
 use std::fs;
 use std::path::Path;
 use touchline::camera::PtzCamera;
-use touchline::document::{
-    Click, Document, FrameStatus, Solution, SolutionSource, document_to_string,
-};
+use touchline::document::{Click, Document, FrameStatus, SolutionSource};
 use touchline::geometry::{ImagePoint, Vec3};
 use touchline::store::read;
+use touchline_documents::testing::{save, solved_by};
 
 fn document(path: &Path) -> Document {
     read(path).unwrap().1
@@ -27,24 +27,17 @@ fn click(path: &Path, frame: usize, landmark: &str) {
     } else {
         path.to_path_buf()
     };
-    fs::write(file, document_to_string(&document).unwrap()).unwrap();
+    save(file, &document);
 }
 
 #[test]
 fn packages_come_back_with_what_was_done_in_them() {
     let place = tempfile::tempdir().unwrap();
     let at = |name: &str| place.path().join(name);
-    assert_eq!(
-        touchline(place.path(), "synth --frames 5 --size 320x180 -o match").code,
-        0
-    );
+    draw(place.path(), "--frames 5 --size 320x180");
     let ran = touchline(place.path(), "split match --frames 2 -o work");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("5 frames in 3 packages in work"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("5 frames in 3 packages in work");
     for (package, frame, landmark) in [
         ("work/package001", 1, "centre_mark"),
         ("work/package002", 0, "halfway_far"),
@@ -108,10 +101,7 @@ fn packages_come_back_with_what_was_done_in_them() {
 fn what_two_people_did_differently_is_listed_and_neither_is_lost() {
     let place = tempfile::tempdir().unwrap();
     let at = |name: &str| place.path().join(name);
-    assert_eq!(
-        touchline(place.path(), "synth --frames 3 --size 320x180 -o match").code,
-        0
-    );
+    draw(place.path(), "--frames 3 --size 320x180");
     for (name, landmark) in [("a.json", "centre_mark"), ("b.json", "halfway_far")] {
         fs::copy(at("match/project.json"), at("match").join(name)).unwrap();
         click(&at("match").join(name), 1, landmark);
@@ -122,12 +112,7 @@ fn what_two_people_did_differently_is_listed_and_neither_is_lost() {
         "merge match match/a.json match/b.json -o match/merged.json",
     );
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(
-        ran.stderr
-            .contains("images/0002.jpg: match/b.json has it otherwise; what came before it stays"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("images/0002.jpg: match/b.json has it otherwise; what came before it stays");
     let merged = document(&at("match/merged.json"));
     let landmark = |document: &Document, frame: usize| {
         document.frames[frame].clicks[0].target.clone().unwrap()
@@ -153,18 +138,14 @@ fn move_camera(path: &Path, by_m: f64) {
     let mut document = document(path);
     let position_m = document.cameras[0].position_m.unwrap();
     document.cameras[0].position_m = Some(position_m + Vec3::new(by_m, 0.0, 0.0));
-    fs::write(path, document_to_string(&document).unwrap()).unwrap();
+    save(path, &document);
 }
 
 #[test]
 fn of_three_versions_none_loses_its_camera_or_its_frames() {
     let place = tempfile::tempdir().unwrap();
     let at = |name: &str| place.path().join("match").join(name);
-    let drawn = touchline(
-        place.path(),
-        "synth --frames 3 --size 320x180 --preset easy -o match",
-    );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    draw(place.path(), "--frames 3 --size 320x180 --preset easy");
     for (name, landmark, by_m) in [
         ("a.json", "centre_mark", 3.0),
         ("b.json", "halfway_far", 5.0),
@@ -180,11 +161,8 @@ fn of_three_versions_none_loses_its_camera_or_its_frames() {
     let frame = &mut second.frames[2];
     frame.ptz.clone_from(&truth.frames[2].ptz);
     frame.status = FrameStatus::Reference;
-    frame.solution = Some(Solution {
-        source: Some(SolutionSource::Forest),
-        ..Solution::default()
-    });
-    fs::write(at("b.json"), document_to_string(&second).unwrap()).unwrap();
+    frame.solution = solved_by(SolutionSource::Forest);
+    save(at("b.json"), &second);
 
     let ran = touchline(
         place.path(),
@@ -196,7 +174,7 @@ fn of_three_versions_none_loses_its_camera_or_its_frames() {
         "on the merged base or field: 0 frames solved again, 1 fitted to where their lines were",
         "are in match/merged.conflicts.json, match/merged.conflicts2.json",
     ] {
-        assert!(ran.stderr.contains(said), "{}", ran.stderr);
+        ran.assert_says(said);
     }
     let merged = document(&at("merged.json"));
     assert_eq!(x_m(&merged), x_m(&document(&at("a.json"))));
@@ -226,11 +204,7 @@ fn comment(folder: &Path, frame: usize, comment: &str) {
     let mut after = before.clone();
     after.frames[frame].comment = Some(comment.to_owned());
     after.count_edits_since(&before);
-    fs::write(
-        folder.join("project.json"),
-        document_to_string(&after).unwrap(),
-    )
-    .unwrap();
+    save(folder.join("project.json"), &after);
 }
 
 fn comments(document: &Document) -> Vec<&str> {
@@ -262,7 +236,7 @@ fn what_the_owner_did_since_the_split_stays() {
     let mut owned = document(&at("match"));
     owned.field.params.insert("length_m".to_owned(), 102.0);
     let project = at("match/project.json");
-    fs::write(&project, document_to_string(&owned).unwrap()).unwrap();
+    save(&project, &owned);
     move_camera(&project, 2.0);
     let moved = x_m(&document(&at("match")));
     comment(&at("work/package001"), 1, "first");
@@ -276,7 +250,7 @@ fn what_the_owner_did_since_the_split_stays() {
     ] {
         let ran = touchline(place.path(), command);
         assert_eq!(ran.code, 1, "{}", ran.stderr);
-        assert!(ran.stderr.contains("1 conflict\n"), "{}", ran.stderr);
+        ran.assert_says("1 conflict\n");
         let merged = if command == all {
             "merged.json"
         } else {
@@ -302,8 +276,7 @@ fn what_the_owner_did_since_the_split_stays() {
 fn a_copy_of_an_earlier_state_takes_nothing_back() {
     let place = tempfile::tempdir().unwrap();
     let at = |name: &str| place.path().join(name);
-    let drawn = touchline(place.path(), "synth --frames 3 --size 320x180 -o match");
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    draw(place.path(), "--frames 3 --size 320x180");
     comment(&at("match"), 0, "first");
     copy_project(&at("match"), &at("copy"));
     comment(&at("match"), 1, "today");

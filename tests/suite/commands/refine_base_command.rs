@@ -1,25 +1,20 @@
 //! `touchline refine-base`: from clicks alone to a base, as a script sees it.
 
+use crate::drawn::clicked_match;
 use crate::program::touchline;
-use crate::seeded::{self, normal};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline::document::{
-    Camera, Click, Document, FieldSpec, Frame, FrameStatus, SolutionSource, document_to_string,
-};
+use touchline::camera::{CameraBase, FocalCurve};
+use touchline::document::{Click, Document, FrameStatus, SolutionSource};
 use touchline::field::builtin;
-use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
+use touchline::geometry::Vec2;
 use touchline::store::read;
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{SIZE, TestBase, ground_landmarks, turned_base};
+use touchline_documents::testing::{a_match, new_frame, save};
 
 fn truth() -> CameraBase {
-    let angles = BaseAngles {
-        pitch: Angle::from_degrees(-0.5),
-        ..BaseAngles::default()
-    };
     CameraBase {
         distortion: FocalCurve {
             at_focal_px: 2000.0,
@@ -27,11 +22,7 @@ fn truth() -> CameraBase {
             per_1000_px: 0.2,
             ..FocalCurve::NONE
         },
-        ..CameraBase::new(
-            Vec3::new(1.5, -64.0, 18.0),
-            angles.base_from_world(),
-            SIZE.centre(),
-        )
+        ..turned_base([1.5, -64.0, 18.0], [0.0, -0.5, 0.0], SIZE)
     }
 }
 
@@ -45,26 +36,13 @@ fn document(name: &str) -> Document {
 fn document_on(name: &str, params: &BTreeMap<String, f64>) -> Document {
     let mut rng = seeded::rng(name);
     let field = builtin("soccer").unwrap().model(params, 0.15).unwrap();
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), SIZE).into());
+    let mut document = a_match(SIZE);
     for index in 0..10 {
         let share = f64::from(index) / 9.0;
-        let camera = PtzCamera::new(
-            truth(),
-            Ptz::from_degrees(-30.0 + 60.0 * share, -12.5, 1700.0 + 900.0 * share),
-        );
-        let mut frame = Frame::from_image(&format!("images/{index}.png"), "main".into(), SIZE);
+        let camera = truth().aim(-30.0 + 60.0 * share, -12.5, 1700.0 + 900.0 * share);
+        let mut frame = new_frame(&format!("images/{index}.png"), SIZE);
         frame.status = FrameStatus::Draft;
-        for landmark in field
-            .landmarks
-            .iter()
-            .filter(|landmark| landmark.nominal_m.z == 0.0)
-        {
-            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
-                continue;
-            };
+        for (_, landmark, exact) in ground_landmarks(&field, &camera) {
             let image = exact.translate(Vec2::new(normal(&mut rng), normal(&mut rng)) * 1.5);
             if SIZE.contains(image) {
                 frame
@@ -78,11 +56,7 @@ fn document_on(name: &str, params: &BTreeMap<String, f64>) -> Document {
 }
 
 fn write(document: &Document, folder: &Path) {
-    fs::write(
-        folder.join("doc.json"),
-        document_to_string(document).unwrap(),
-    )
-    .unwrap();
+    save(folder.join("doc.json"), document);
 }
 
 #[test]
@@ -117,10 +91,9 @@ fn a_camera_is_found_from_clicks_alone_and_every_frame_solved() {
         .position(|click| click.image == image)
         .unwrap();
     document.frames[9].status = FrameStatus::Rejected;
-    write(&document, folder.path());
+    save(folder.path().join("doc.json"), &document);
 
-    let ran = touchline(folder.path(), "refine-base doc.json -o out/refined.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let ran = touchline(folder.path(), "refine-base doc.json -o out/refined.json").done();
     for line in [
         "main: position (",
         "k1 linear in f, crowned pitch: ",
@@ -129,17 +102,8 @@ fn a_camera_is_found_from_clicks_alone_and_every_frame_solved() {
     ] {
         assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);
     }
-    assert!(
-        ran.stderr
-            .contains("images/4.png: the names look mirrored: "),
-        "{}",
-        ran.stderr
-    );
-    assert!(
-        ran.stderr.contains("goal_area_far_right_front would fit"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("images/4.png: the names look mirrored: ");
+    ran.assert_says("goal_area_far_right_front would fit");
 
     let (_, refined, _) = read(&folder.path().join("out/refined.json")).unwrap();
     let base = refined.cameras[0].base().unwrap();
@@ -208,15 +172,10 @@ fn what_is_missing_is_said_in_one_line() {
     for frame in &mut document.frames {
         frame.clicks.truncate(2);
     }
-    write(&document, folder.path());
+    save(folder.path().join("doc.json"), &document);
     let ran = touchline(folder.path(), "refine-base doc.json -o refined.json");
     assert_eq!((ran.code, ran.stdout.as_str()), (2, ""));
-    assert!(
-        ran.stderr
-            .contains("camera \"main\": no frame determines a camera by itself"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("camera \"main\": no frame determines a camera by itself");
     assert_eq!(ran.stderr.lines().count(), 1, "{}", ran.stderr);
     assert!(!folder.path().join("refined.json").exists());
     let usage = touchline(folder.path(), "refine-base doc.json --crown high");
@@ -226,7 +185,7 @@ fn what_is_missing_is_said_in_one_line() {
         usage.stderr
     );
     document.frames[0].clicks = vec![Click::landmark("nowhere".into(), SIZE.centre())];
-    write(&document, folder.path());
+    save(folder.path().join("doc.json"), &document);
     let ran = touchline(folder.path(), "refine-base doc.json");
     assert!(
         ran.code == 2 && ran.stderr.contains("has no landmark \"nowhere\""),
@@ -248,8 +207,7 @@ fn the_size_of_the_field_is_found_where_it_is_asked_for() {
     );
     let asked =
         "refine-base doc.json -o sized.json --field-size --distortion k1-focal --crown 0.15";
-    let ran = touchline(folder.path(), asked);
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let ran = touchline(folder.path(), asked).done();
     assert!(
         ran.stderr.contains("main: field length 103.") && ran.stderr.contains("(105 m assumed)"),
         "{}",
@@ -278,63 +236,15 @@ fn a_field_outside_the_rules_is_refused_with_the_range() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = document("a_field_outside_the_rules_is_refused_with_the_range");
     document.field.params.insert("length_m".to_owned(), 150.0);
-    write(&document, folder.path());
+    save(folder.path().join("doc.json"), &document);
     let ran = touchline(folder.path(), "refine-base doc.json -o refined.json");
-    assert_eq!(
-        (ran.code, ran.stderr.lines().count()),
-        (2, 1),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_refused(2);
     assert!(
         ran.stderr.contains("length_m") && ran.stderr.contains("90") && ran.stderr.contains("120"),
         "{}",
         ran.stderr
     );
     assert!(!folder.path().join("refined.json").exists());
-}
-
-/// A drawn match whose clicks scatter, in a new folder: the folder and the exact document.
-fn drawn_match(place: &Path) -> (std::path::PathBuf, Document) {
-    let drawn = touchline(
-        place,
-        "synth -o match --frames 6 --seed 5 --size 960x540 --preset easy",
-    );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
-    let folder = place.join("match");
-    let (_, truth, _) = read(&folder.join("truth.json")).unwrap();
-    (folder, truth)
-}
-
-/// The same, and the document without cameras and with clicks that scatter.
-pub fn clicked_match(place: &Path) -> (std::path::PathBuf, Document, Document) {
-    let (folder, truth) = drawn_match(place);
-    let mut rng = seeded::rng("painted_lines_and_clicks_together");
-    let mut clicked = truth.clone();
-    for camera in &mut clicked.cameras {
-        *camera = Camera::new("main".into(), truth.frames[0].image_size).into();
-    }
-    let field = truth.field.model(&folder).unwrap();
-    for (frame, was) in clicked.frames.iter_mut().zip(&truth.frames) {
-        let camera = truth.ptz_camera(was).unwrap();
-        (frame.ptz, frame.solution) = (None, None);
-        for landmark in field
-            .landmarks
-            .iter()
-            .filter(|landmark| landmark.nominal_m.z == 0.0)
-        {
-            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else {
-                continue;
-            };
-            let image = exact.translate(Vec2::new(normal(&mut rng), normal(&mut rng)) * 0.8);
-            if was.image_size.contains(image) {
-                frame
-                    .clicks
-                    .push(Click::landmark(landmark.id.clone(), image));
-            }
-        }
-    }
-    (folder, truth, clicked)
 }
 
 #[test]
@@ -354,7 +264,7 @@ fn painted_lines_and_clicks_together_find_the_camera_and_pull_the_frames() {
     ] {
         assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);
     }
-    assert!(ran.stderr.contains("images/none.png"), "{}", ran.stderr);
+    ran.assert_says("images/none.png");
     let (_, refined, _) = read(&folder.join("refined.json")).unwrap();
     let away_m = |document: &Document| {
         (document.cameras[0].base().unwrap().position_m
@@ -388,16 +298,12 @@ fn painted_lines_and_clicks_together_find_the_camera_and_pull_the_frames() {
 fn without_painted_lines_the_base_is_refused_by_name() {
     let place = tempfile::tempdir().unwrap();
     let document = document("without_painted_lines");
-    write(&document, place.path());
+    save(place.path().join("doc.json"), &document);
     let ran = touchline(
         place.path(),
         "refine-base doc.json --markings -o refined.json",
     );
     assert_eq!(ran.code, 2, "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("painted lines are seen in 0 frames"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("painted lines are seen in 0 frames");
     assert!(!place.path().join("refined.json").exists());
 }

@@ -1,57 +1,22 @@
 //! `touchline train` and `touchline relocalize` on a drawn match.
 #![cfg(feature = "opencv")]
 
-use crate::program::{document, touchline, write};
+use crate::drawn::drawn_match;
+use crate::program::touchline;
 use std::fs;
-use std::path::Path;
 use touchline::document::{Frame, FrameStatus, SolutionSource};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::relocalize::CERTAIN;
 use touchline::relocalize::ForestModel;
-
-/// A drawn match: every second frame is a reference in `references.json`, the others are new in
-/// `ask.json`; `truth.json` has all.
-pub fn drawn_match(folder: &Path) {
-    let drawn = touchline(
-        folder,
-        "synth -o match --frames 10 --seed 3 --size 640x360 --preset easy",
-    );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
-    let folder = folder.join("match");
-    let truth = document(&folder.join("truth.json"));
-    let (mut references, mut ask) = (truth.clone(), truth);
-    for index in 0..references.frames.len() {
-        let (reference, asked) = (&mut *references.frames[index], &mut *ask.frames[index]);
-        reference.status = if index % 2 == 0 {
-            FrameStatus::Reference
-        } else {
-            FrameStatus::New
-        };
-        asked.clicks.clear();
-        if index % 2 == 1 {
-            asked.status = FrameStatus::New;
-            asked.ptz = None;
-            asked.solution = None;
-        } else {
-            asked.status = FrameStatus::Reference;
-        }
-    }
-    write(&folder.join("references.json"), &references);
-    write(&folder.join("ask.json"), &ask);
-}
+use touchline_documents::testing::{load, save};
 
 #[test]
 fn a_forest_of_the_references_answers_the_other_frames() {
     let place = tempfile::tempdir().unwrap();
     drawn_match(place.path());
     let folder = place.path().join("match");
-    let trained = touchline(&folder, "train references.json -o forest.tlf");
-    assert_eq!(trained.code, 0, "{}", trained.stderr);
-    assert!(
-        trained.stderr.contains("forest.tlf: 5 references, "),
-        "{}",
-        trained.stderr
-    );
+    let trained = touchline(&folder, "train references.json -o forest.tlf").done();
+    trained.assert_says("forest.tlf: 5 references, ");
     let bytes = fs::read(folder.join("forest.tlf")).unwrap();
     assert_eq!(
         touchline(&folder, "train references.json -o forest.tlf").code,
@@ -114,8 +79,8 @@ fn a_forest_of_the_references_answers_the_other_frames() {
         bytes("first.json") == bytes("second.json") && !bytes("first.json").contains("timings_ms")
     );
     let (truth, answers) = (
-        document(&folder.join("truth.json")),
-        document(&folder.join("answers.json")),
+        load(folder.join("truth.json")),
+        load(folder.join("answers.json")),
     );
     let mut answered = 0;
     for (index, (frame, truth)) in answers.frames.iter().zip(&truth.frames).enumerate() {
@@ -184,8 +149,8 @@ fn a_forest_of_the_references_answers_the_other_frames() {
         5 - answered,
         5 + answered
     );
-    assert!(again.stderr.contains(&said), "{}", again.stderr);
-    for (frame, before) in document(&folder.join("again.json"))
+    again.assert_says(&said);
+    for (frame, before) in load(folder.join("again.json"))
         .frames
         .iter()
         .zip(&answers.frames)
@@ -213,7 +178,7 @@ fn images_alone_are_answered_and_a_damaged_one_is_skipped() {
     fs::write(folder.join("some/2.jpg"), "no picture").unwrap();
     let ran = touchline(&folder, "relocalize forest.tlf some -o out.jsonl");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("2.jpg: "), "{}", ran.stderr);
+    ran.assert_says("2.jpg: ");
     let lines = fs::read_to_string(folder.join("out.jsonl")).unwrap();
     let frames: Vec<serde_json::Value> = lines
         .lines()
@@ -233,18 +198,14 @@ fn what_does_not_fit_is_one_line_and_exit_two() {
     let folder = place.path().join("match");
     let none = touchline(&folder, "train ask.json -o none.tlf --features 10");
     assert_eq!(none.code, 2, "too few features are refused");
-    let mut suggestions = document(&folder.join("references.json"));
+    let mut suggestions = load(folder.join("references.json"));
     for frame in &mut suggestions.frames {
         frame.solution.get_or_insert_default().source = Some(SolutionSource::Forest);
     }
-    write(&folder.join("suggestions.json"), &suggestions);
+    save(folder.join("suggestions.json"), &suggestions);
     let refused = touchline(&folder, "train suggestions.json -o none.tlf");
     assert_eq!(refused.code, 2);
-    assert!(
-        refused.stderr.contains("no references to train with"),
-        "{}",
-        refused.stderr
-    );
+    refused.assert_says("no references to train with");
     assert!(!folder.join("none.tlf").exists());
     assert_eq!(
         touchline(
@@ -255,16 +216,12 @@ fn what_does_not_fit_is_one_line_and_exit_two() {
         0
     );
 
-    let mut moved = document(&folder.join("ask.json"));
+    let mut moved = load(folder.join("ask.json"));
     moved.cameras[0].position_m.as_mut().unwrap().x += 0.5;
-    write(&folder.join("moved.json"), &moved);
+    save(folder.join("moved.json"), &moved);
     let refused = touchline(&folder, "relocalize forest.tlf moved.json -o out.json");
     assert_eq!(refused.code, 2);
-    assert!(
-        refused.stderr.contains("train the forest again"),
-        "{}",
-        refused.stderr
-    );
+    refused.assert_says("train the forest again");
     let mut bytes = fs::read(folder.join("forest.tlf")).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;

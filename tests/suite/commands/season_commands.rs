@@ -1,8 +1,9 @@
 //! `touchline plan`, `shard` and `collect`: a season in parts, on a drawn clip.
 #![cfg(all(feature = "opencv", target_os = "linux"))]
 
+use crate::drawn::draw;
 use crate::headless::Headless;
-use crate::program::{Ran, document, touchline, write};
+use crate::program::{Ran, touchline};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -14,6 +15,7 @@ use touchline::document::{Camera, Document, Frame, FrameId, FrameStatus};
 use touchline::season::collect::Queue;
 use touchline::season::part::part_path;
 use touchline::season::plan::Plan;
+use touchline_documents::testing::{load, save};
 
 const SEASON: &str = "
     [options]
@@ -36,12 +38,11 @@ struct Season {
 impl Season {
     fn draw() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let drawn = touchline(
+        draw(
             folder.path(),
-            "synth -o match --frames 12 --step 0.04 --seed 4 --size 640x360 --preset easy",
+            "--frames 12 --step 0.04 --seed 4 --size 640x360 --preset easy",
         );
-        assert_eq!(drawn.code, 0, "{}", drawn.stderr);
-        let truth = document(&folder.path().join("match/truth.json"));
+        let truth = load(folder.path().join("match/truth.json"));
         let mut known = truth.clone();
         for (index, frame) in known.frames.iter_mut().enumerate() {
             let frame: &mut Frame = frame;
@@ -53,7 +54,7 @@ impl Season {
                 (frame.status, frame.ptz) = (FrameStatus::New, None);
             }
         }
-        write(&folder.path().join("match/known.json"), &known);
+        save(folder.path().join("match/known.json"), &known);
         fs::create_dir(folder.path().join("grey")).unwrap();
         for index in 0..4_u8 {
             image::RgbImage::from_pixel(64, 36, image::Rgb([50 * index; 3]))
@@ -67,8 +68,9 @@ impl Season {
     /// The season with its plan.
     fn with_plan() -> (Self, Plan) {
         let season = Self::draw();
-        let ran = season.run("plan season.toml -o plan.json --commands commands");
-        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        season
+            .run("plan season.toml -o plan.json --commands commands")
+            .done();
         let plan = Plan::read(&season.path("plan.json")).unwrap();
         (season, plan)
     }
@@ -83,8 +85,7 @@ impl Season {
 
     /// Does a shard; it must be done.
     fn shard(&self, id: &str, parts: &str) -> String {
-        let ran = self.run(&format!("shard plan.json {id} -o {parts}"));
-        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let ran = self.run(&format!("shard plan.json {id} -o {parts}")).done();
         ran.stderr
     }
 
@@ -173,8 +174,9 @@ fn a_season_in_any_order_gives_the_same_bytes_and_peoples_work_stays() {
     );
 
     for (parts, output) in [("parts", "out"), ("backwards", "out2")] {
-        let ran = season.run(&format!("collect plan.json {parts} -o {output}"));
-        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        season
+            .run(&format!("collect plan.json {parts} -o {output}"))
+            .done();
     }
     let results = ["project.json", "queue.json"];
     let collected = bytes_of(&season.path("out"), &results);
@@ -187,7 +189,7 @@ fn a_season_in_any_order_gives_the_same_bytes_and_peoples_work_stays() {
 
     // Every frame of the drawn match lies where it was drawn.
     let project = season.path("out/north/project.json");
-    let mut found = document(&project);
+    let mut found = load(&project);
     assert_eq!(found.frames.len(), 12);
     for (frame, exact) in found.frames.iter().zip(&season.truth.frames) {
         let [found, exact] = [frame, exact].map(|frame| frame.ptz.as_ref().unwrap().ptz());
@@ -198,15 +200,16 @@ fn a_season_in_any_order_gives_the_same_bytes_and_peoples_work_stays() {
     // A person corrects a frame; it stays, and so does everything else.
     let frame: &mut Frame = &mut found.frames[5];
     frame.status = FrameStatus::Rejected;
-    write(&project, &found);
+    save(&project, &found);
     let edited = fs::read(&project).unwrap();
-    let ran = season.run("collect plan.json parts -o out --below 1");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    season
+        .run("collect plan.json parts -o out --below 1")
+        .done();
     assert!(fs::read(&project).unwrap() == edited);
     let queue = Queue::read(&season.path("out/queue.json")).unwrap();
     assert!(!queue.entries().is_empty());
     for entry in queue.entries() {
-        let of = document(&season.path("out").join(&entry.project));
+        let of = load(season.path("out").join(&entry.project));
         let frame = of
             .frames
             .iter()
@@ -259,12 +262,7 @@ fn collecting_replaces_only_what_it_wrote() {
     let project = season.path("out/north/project.json");
     let before = fs::read(&project).unwrap();
     let ran = collect();
-    assert!(
-        ran.stderr
-            .contains("north: its project was left as it is: it was not collected here"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("north: its project was left as it is: it was not collected here");
     assert!(fs::read(project).unwrap() == before);
 }
 
@@ -284,8 +282,7 @@ fn a_match_that_is_renamed_or_gets_a_camera_keeps_its_project() {
     let plan_again = |grey: &str| {
         let text = SEASON.replace("frames = 'grey'", &format!("frames = 'grey'\n{grey}"));
         fs::write(season.path("season.toml"), text).unwrap();
-        let ran = season.run("plan season.toml -o plan.json --force");
-        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        season.run("plan season.toml -o plan.json --force").done();
         let plan = Plan::read(&season.path("plan.json")).unwrap();
         season.shards_of_grey(&plan);
     };
@@ -300,21 +297,21 @@ fn a_match_that_is_renamed_or_gets_a_camera_keeps_its_project() {
 
     // The season gets a camera for it: a project without work of a person takes it.
     let project = season.path("out/cup/project.json");
-    let mut known = document(&project).relocate(&season.path("out/cup"), season.folder.path());
+    let mut known = load(&project).relocate(&season.path("out/cup"), season.folder.path());
     let base = season.truth.cameras[0].base().unwrap();
     let camera: &mut Camera = &mut known.cameras[0];
     camera.set_base(&base);
-    write(&season.path("grey.json"), &known);
+    save(season.path("grey.json"), &known);
     let untouched = fs::read(&project).unwrap();
-    let mut edited = document(&project);
+    let mut edited = load(&project);
     edited.frames[0].comment = Some("too dark".to_owned());
-    write(&project, &edited);
+    save(&project, &edited);
     plan_again("name = 'cup'\nproject = 'grey.json'");
     collect("cup: its project was left as it is: camera main has no base, unlike in the parts");
-    assert_eq!(document(&project), edited);
+    assert_eq!(load(&project), edited);
     fs::write(&project, untouched).unwrap();
     collect("out: 1 project");
-    assert!(document(&project).cameras[0].base().is_some());
+    assert!(load(&project).cameras[0].base().is_some());
 }
 
 #[test]
@@ -374,7 +371,7 @@ fn gaps_are_named_and_what_is_not_a_whole_part_is_not_taken() {
     }
     assert!(fs::read(part(&first.shard)).unwrap() == whole);
     assert_eq!(season.run("collect plan.json parts -o out").code, 0);
-    let project = document(&season.path("out/north/project.json"));
+    let project = load(season.path("out/north/project.json"));
     let names: Vec<String> = project.frames.iter().map(|frame| frame.name()).collect();
     assert!(names.len() == 12 && names.is_sorted(), "{names:?}");
 
@@ -436,9 +433,8 @@ fn a_project_without_a_reference_gives_a_part_that_says_why_it_has_no_forest() {
         frame.clicks.clear();
         (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
     }
-    write(&season.path("match/known.json"), &unlabelled);
-    let ran = season.run("plan season.toml -o plan.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    save(season.path("match/known.json"), &unlabelled);
+    season.run("plan season.toml -o plan.json").done();
     let plan = Plan::read(&season.path("plan.json")).unwrap();
     let said = season.shard(&plan.matches[0].find, "parts");
     assert!(
@@ -473,8 +469,9 @@ fn a_plan_is_for_one_processor_class_unless_it_says_otherwise() {
         "the class is in the name"
     );
     let grey = &any.matches[1].find;
-    let ran = season.run(&format!("shard any.json {grey} -o parts"));
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    season
+        .run(&format!("shard any.json {grey} -o parts"))
+        .done();
 
     // Another machine's ffmpeg.
     let fake = season.path("bin");
@@ -587,14 +584,13 @@ fn a_shard_ends_with_the_process_that_started_it() {
 fn in_the_application_the_queue_leads_from_match_to_match() {
     let (season, plan) = Season::with_plan();
     season.all_shards(&plan, "parts");
-    let collected = season.run("collect plan.json parts -o out");
-    assert_eq!(collected.code, 0, "{}", collected.stderr);
+    season.run("collect plan.json parts -o out").done();
     // A second match with the same frames.
     fs::create_dir(season.path("out/south")).unwrap();
     let [north, south] =
         ["north", "south"].map(|name| season.path(&format!("out/{name}/project.json")));
     fs::copy(&north, &south).unwrap();
-    let frames = document(&north).frames;
+    let frames = load(&north).frames;
     let [first, second, third] = [4, 7, 10].map(|index: usize| frames[index].id.clone());
     let entry = |name: &str, frame: &FrameId| {
         let frame = frame.as_str();

@@ -1,11 +1,11 @@
 //! `touchline synth` and the demo that it drew.
 
-use crate::program::document;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use touchline::document::FrameStatus;
 use touchline::geometry::ImagePoint;
 use touchline::media::sha256_of_file;
+use touchline_documents::testing::load;
 
 fn synth(arguments: &[&str], folder: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_touchline"))
@@ -51,10 +51,7 @@ fn a_match_is_drawn_with_its_truth_and_never_over_something() {
     }
     assert_eq!(bytes_below(&one), bytes_below(&two));
 
-    let (project, truth) = (
-        document(&one.join("project.json")),
-        document(&one.join("truth.json")),
-    );
+    let (project, truth) = (load(one.join("project.json")), load(one.join("truth.json")));
     assert_eq!((project.frames.len(), truth.frames.len()), (2, 2));
     for (frame, exact) in project.frames.iter().zip(&truth.frames) {
         assert_eq!((frame.status, &frame.ptz), (FrameStatus::New, &None));
@@ -112,8 +109,8 @@ fn wrong_orders_are_refused_in_one_line() {
 fn the_demo_is_whole_and_its_references_are_right() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("projects/demo");
     let (project, truth) = (
-        document(&folder.join("project.json")),
-        document(&folder.join("truth.json")),
+        load(folder.join("project.json")),
+        load(folder.join("truth.json")),
     );
     assert!(project.frames.len() >= 24 && project.frames.len() == truth.frames.len());
     let mut references = 0;

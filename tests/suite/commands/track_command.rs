@@ -4,7 +4,7 @@
 
 use crate::drawn_clip::{drawn_clip, landmark_errors_px, visible_landmarks};
 use crate::headless::Headless;
-use crate::program::{document, touchline, write};
+use crate::program::touchline;
 use std::fs;
 use std::path::Path;
 use touchline::app::guidance::next_step;
@@ -15,6 +15,7 @@ use touchline::document::{
 };
 use touchline::field::LandmarkId;
 use touchline::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
+use touchline_documents::testing::{load, save};
 
 /// How far a frame's overlay is off at the corners of the picture and in its middle, px: the
 /// greatest.
@@ -39,9 +40,8 @@ fn known_frames_are_carried_to_all_others_of_the_clip_past_graphics_that_stand_s
     let place = tempfile::tempdir().unwrap();
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
-    let ran = touchline(&folder, "track ask.json -o tracked.json --paint-every 0");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    let tracked = document(&folder.join("tracked.json"));
+    touchline(&folder, "track ask.json -o tracked.json --paint-every 0").done();
+    let tracked = load(folder.join("tracked.json"));
     for index in 1..tracked.frames.len() - 1 {
         let (frame, off_px) = (&tracked.frames[index], worst_px(&tracked, &truth, index));
         assert_eq!(frame.status, FrameStatus::Suggested);
@@ -66,12 +66,12 @@ fn known_frames_are_carried_to_all_others_of_the_clip_past_graphics_that_stand_s
             == fs::read(folder.join("tracked.json")).unwrap()
     );
 
-    let smooth = touchline(
+    touchline(
         &folder,
         "track ask.json -o smooth.json --smooth --frames 0..12",
-    );
-    assert_eq!(smooth.code, 0, "{}", smooth.stderr);
-    let smoothed = document(&folder.join("smooth.json"));
+    )
+    .done();
+    let smoothed = load(folder.join("smooth.json"));
     let solution = smoothed.frames[6].solution.as_ref().unwrap();
     assert!(
         solution.extra.contains_key("raw_ptz") && worst_px(&smoothed, &truth, 6) < 2.0,
@@ -88,7 +88,7 @@ fn nothing_is_carried_across_a_cut_or_from_nothing() {
     let place = tempfile::tempdir().unwrap();
     let mut asked = {
         drawn_clip(place.path());
-        document(&place.path().join("match/ask.json"))
+        load(place.path().join("match/ask.json"))
     };
     let folder = place.path().join("match");
     // The clip shows something else from its middle on: a picture of noise.
@@ -106,16 +106,11 @@ fn nothing_is_carried_across_a_cut_or_from_nothing() {
         frame.sha256 = None;
         (frame.status, frame.ptz) = (FrameStatus::New, None);
     }
-    write(&folder.join("cut.json"), &asked);
+    save(folder.join("cut.json"), &asked);
     let ran = touchline(&folder, "track cut.json -o out.json --paint-every 0");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(
-        ran.stderr
-            .contains("noise15.png: not tracked to this frame"),
-        "{}",
-        ran.stderr
-    );
-    let out = document(&folder.join("out.json"));
+    ran.assert_says("noise15.png: not tracked to this frame");
+    let out = load(folder.join("out.json"));
     assert!(
         out.frames[14].ptz.is_some() && out.frames.iter().skip(15).all(|frame| frame.ptz.is_none())
     );
@@ -124,22 +119,12 @@ fn nothing_is_carried_across_a_cut_or_from_nothing() {
         let frame: &mut Frame = frame;
         (frame.status, frame.ptz) = (FrameStatus::New, None);
     }
-    write(&folder.join("nothing.json"), &asked);
+    save(folder.join("nothing.json"), &asked);
     let ran = touchline(&folder, "track nothing.json -o none.json");
     assert_eq!(ran.code, 1);
-    assert!(
-        ran.stderr
-            .contains("none of its 30 frames has a camera to track from"),
-        "{}",
-        ran.stderr
-    );
+    ran.assert_says("none of its 30 frames has a camera to track from");
     let wrong = touchline(&folder, "track ask.json -o never.json --frames 9..3");
-    assert_eq!(
-        (wrong.code, wrong.stderr.trim_end().lines().count()),
-        (2, 1),
-        "{}",
-        wrong.stderr
-    );
+    wrong.assert_refused(2);
 }
 
 #[test]
@@ -147,23 +132,22 @@ fn the_lines_of_a_whole_clip_refine_a_base_of_which_one_frame_is_known() {
     let place = tempfile::tempdir().unwrap();
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
-    let mut asked = document(&folder.join("ask.json"));
+    let mut asked = load(folder.join("ask.json"));
     for (at, frame) in asked.frames.iter_mut().enumerate() {
         frame.clip = Some(Clip::Number(1));
         if at > 0 {
             (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
         }
     }
-    write(&folder.join("one.json"), &asked);
-    let ran = touchline(&folder, "refine-base one.json --markings -o refined.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    save(folder.join("one.json"), &asked);
+    let ran = touchline(&folder, "refine-base one.json --markings -o refined.json").done();
     for line in [
         "only 1 frame known: tracking the clip first",
         "30 of 30 frames pulled onto their painted lines",
     ] {
         assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);
     }
-    let refined = document(&folder.join("refined.json"));
+    let refined = load(folder.join("refined.json"));
     let worst = (0..truth.frames.len())
         .map(|frame| worst_px(&refined, &truth, frame))
         .fold(0.0, f64::max);
@@ -172,7 +156,7 @@ fn the_lines_of_a_whole_clip_refine_a_base_of_which_one_frame_is_known() {
 
 /// The drawn clip with clicks in its first frame and no more: its camera has no base.
 fn with_one_clicked_frame(folder: &Path, truth: &Document) -> Document {
-    let mut asked = document(&folder.join("ask.json"));
+    let mut asked = load(folder.join("ask.json"));
     let camera = asked.cameras[0].id.clone();
     *asked.camera_mut(&camera).unwrap() = Camera::new(camera.clone(), asked.frames[0].image_size);
     for (at, frame) in asked.frames.iter_mut().enumerate() {
@@ -210,22 +194,17 @@ fn one_clicked_frame_and_one_command_give_the_cameras_of_a_clip_that_had_no_base
     let place = tempfile::tempdir().unwrap();
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
-    write(
-        &folder.join("clicked.json"),
+    save(
+        folder.join("clicked.json"),
         &with_one_clicked_frame(&folder, &truth),
     );
     let ran = touchline(&folder, "track clicked.json -o plain.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("has no base yet"), "{}", ran.stderr);
+    ran.assert_says("has no base yet");
 
-    let ran = touchline(&folder, "track clicked.json --refine-base -o refined.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("main: the base is refined on"),
-        "{}",
-        ran.stderr
-    );
-    let refined = document(&folder.join("refined.json"));
+    let ran = touchline(&folder, "track clicked.json --refine-base -o refined.json").done();
+    ran.assert_says("main: the base is refined on");
+    let refined = load(folder.join("refined.json"));
     let worst = worst_of_all_px(&refined, &truth);
     assert!(worst < 3.0, "{worst} px");
     let confidence = |frame: &Frame| {
@@ -248,8 +227,8 @@ fn in_the_application_the_base_is_refined_on_a_shot_that_is_carried_with_it() {
     let place = tempfile::tempdir().unwrap();
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
-    write(
-        &folder.join("project.json"),
+    save(
+        folder.join("project.json"),
         &with_one_clicked_frame(&folder, &truth),
     );
     let mut headless = Headless::open(&folder);
@@ -287,14 +266,14 @@ fn a_clip_that_cannot_be_read_is_named_and_the_others_are_carried() {
     let place = tempfile::tempdir().unwrap();
     drawn_clip(place.path());
     let folder = place.path().join("match");
-    let mut asked = document(&folder.join("ask.json"));
+    let mut asked = load(folder.join("ask.json"));
     for (at, frame) in asked.frames.iter_mut().enumerate() {
         let frame: &mut Frame = frame;
         frame.clip = Some(Clip::Number(i64::from(at >= 15)));
     }
     let gone = asked.frames[20].image.clone().unwrap();
     fs::remove_file(folder.join(&gone)).unwrap();
-    write(&folder.join("two.json"), &asked);
+    save(folder.join("two.json"), &asked);
     let ran = touchline(&folder, "track two.json -o out.json --paint-every 0");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(
@@ -302,7 +281,7 @@ fn a_clip_that_cannot_be_read_is_named_and_the_others_are_carried() {
         "{}",
         ran.stderr
     );
-    let out = document(&folder.join("out.json"));
+    let out = load(folder.join("out.json"));
     let solved =
         |frames: std::ops::Range<usize>| out.frames.iter().skip(frames.start).take(frames.len());
     assert!(
@@ -413,7 +392,7 @@ fn the_other_frames_of_the_shot_follow_a_correction_without_reading_its_pictures
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
     // The last frame is known wrongly, and hardly.
-    let mut asked = document(&folder.join("ask.json"));
+    let mut asked = load(folder.join("ask.json"));
     let last: &mut Frame = asked.frames.iter_mut().last().unwrap();
     (last.status, last.ptz, last.solution) = (FrameStatus::New, None, None);
     let first: &mut Frame = &mut asked.frames[0];
@@ -427,7 +406,7 @@ fn the_other_frames_of_the_shot_follow_a_correction_without_reading_its_pictures
     );
     first.solution.as_mut().unwrap().covariance =
         Some(Mat3::from_diagonal(&Vec3::new(0.25, 0.25, 400.0)));
-    write(&folder.join("project.json"), &asked);
+    save(folder.join("project.json"), &asked);
     let mut headless = Headless::open(&folder);
     headless.act(Action::Command(Command::Track));
     headless.wait_until("the cameras", |app| tracked_count(app) == 29);

@@ -3,8 +3,9 @@
 #![cfg(feature = "opencv")]
 
 use crate::drawn_clip::{drawn_clip, landmark_errors_px};
-use crate::program::{document, touchline};
+use crate::program::touchline;
 use std::fs;
+use touchline_documents::testing::load;
 
 #[test]
 fn what_can_be_read_of_a_clip_is_tracked() {
@@ -17,7 +18,7 @@ fn what_can_be_read_of_a_clip_is_tracked() {
     let ran = touchline(&folder, "track ask.json -o tracked.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(ran.stderr.contains("0028.jpg"), "{}", ran.stderr);
-    let tracked = document(&folder.join("tracked.json"));
+    let tracked = load(folder.join("tracked.json"));
     for index in 1..27 {
         let errors_px = landmark_errors_px(&tracked, &truth, index).unwrap();
         let worst_px = errors_px.into_iter().fold(0.0, f64::max);

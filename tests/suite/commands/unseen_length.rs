@@ -2,11 +2,13 @@
 //! wrong.
 #![cfg(feature = "opencv")]
 
+use crate::drawn::draw;
 use crate::drawn_clip::landmark_errors_px;
-use crate::program::{document, touchline, write};
+use crate::program::touchline;
 use touchline::document::{Document, FieldSize, FrameStatus};
 use touchline::field::FieldModel;
 use touchline::markings::project_landmarks;
+use touchline_documents::testing::{load, save};
 
 /// The parts of the field whose landmarks a frame shows.
 fn shows(truth: &Document, frame: usize, field: &FieldModel, part: &str) -> bool {
@@ -24,13 +26,12 @@ fn shows(truth: &Document, frame: usize, field: &FieldModel, part: &str) -> bool
 #[test]
 fn the_ends_show_a_length_that_is_a_metre_off_in_key_frames_of_the_middle() {
     let place = tempfile::tempdir().unwrap();
-    let drawn = touchline(
+    draw(
         place.path(),
-        "synth -o match --frames 42 --step 0.2 --seed 13 --size 480x270 --preset easy",
+        "--frames 42 --step 0.2 --seed 13 --size 480x270 --preset easy",
     );
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = place.path().join("match");
-    let truth = document(&folder.join("truth.json"));
+    let truth = load(folder.join("truth.json"));
     let field = truth.at(&folder).model_of(&truth.field).unwrap();
     let mut asked = truth.clone();
     asked.field.params.insert("length_m".to_owned(), 106.0);
@@ -50,11 +51,11 @@ fn the_ends_show_a_length_that_is_a_metre_off_in_key_frames_of_the_middle() {
         }
     }
     assert!((30..42).contains(&tracked_only.len()), "{tracked_only:?}");
-    write(&folder.join("asked.json"), &asked);
+    save(&folder.join("asked.json"), &asked);
 
     let ran = touchline(&folder, "track asked.json -o tracked.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    let tracked = document(&folder.join("tracked.json"));
+    let tracked = load(folder.join("tracked.json"));
     let length_m = tracked.field.params["length_m"];
     assert!(
         (length_m - 105.0).abs() < 0.5,

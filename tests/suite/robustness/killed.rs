@@ -2,8 +2,7 @@
 //! accepted is lost.
 #![cfg(feature = "opencv")]
 
-use crate::child::spawn_test;
-use crate::commands::relocalize_command::drawn_match;
+use crate::drawn::drawn_match;
 use crate::headless::Headless;
 use crate::program::touchline;
 use std::collections::BTreeMap;
@@ -11,6 +10,7 @@ use std::path::Path;
 use touchline::app::session::Saving;
 use touchline::app::{Action, App, Navigation, TrainerActivity};
 use touchline::document::FrameStatus;
+use touchline_core::testing::child::spawn_test;
 
 const CHILD_FILE: &str = "TOUCHLINE_TEST_KILLED_FILE";
 

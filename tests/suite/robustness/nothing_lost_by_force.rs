@@ -1,6 +1,7 @@
 //! `--force` replaces files of the names that a command writes. Whatever else lies in a folder is
 //! there afterwards, for every command and format.
 
+use crate::drawn::draw;
 use crate::program::touchline;
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,8 +16,7 @@ const OPTIONS: &str = "--projected --fps 25 --sensor-mm 9.59 --match-id m --star
 /// A drawn match in `match`.
 fn drawn_match() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let drawn = touchline(folder.path(), "synth --frames 3 --size 320x180 -o match");
-    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    draw(folder.path(), "--frames 3 --size 320x180");
     folder
 }
 

@@ -2,16 +2,16 @@
 //! again and again: no edit is lost or replaced without a word. `TOUCHLINE_SEQUENCES=10000` makes
 //! more of it; each sequence follows from its number.
 
-use crate::seeded::rng;
 use rand::{Rng, RngExt};
 use std::collections::BTreeSet;
 use std::path::Path;
 use touchline::document::{
-    Camera, Click, Document, FieldSpec, Frame, document_from_bytes, document_to_string, merge,
-    split_into_packages,
+    Click, Document, document_from_bytes, document_to_string, merge, split_into_packages,
 };
 use touchline::exchange::restore_version;
 use touchline::geometry::{ImagePoint, ImageSize};
+use touchline_core::testing::seeded::rng;
+use touchline_documents::testing::{a_match, new_frame};
 
 const SIZE: ImageSize = ImageSize::new(64, 48);
 
@@ -41,7 +41,7 @@ impl<R: Rng> People<R> {
                 0 => {
                     self.new_frames += 1;
                     let name = format!("new/{}.jpg", self.new_frames);
-                    let frame = Frame::from_image(&name, "main".into(), SIZE);
+                    let frame = new_frame(&name, SIZE);
                     let at = self.random.random_range(0..=document.frames.len());
                     document.frames.insert(at, frame.into());
                     self.click(document, at);
@@ -102,15 +102,11 @@ fn no_edit_is_lost_where_the_project_goes_on() {
             edits: 0,
             new_frames: 0,
         };
-        let mut project = Document::new(FieldSpec::new("soccer"));
-        project
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
+
+        let mut project = a_match(SIZE);
         for index in 0..people.random.random_range(1..8) {
             let name = format!("images/{index}.jpg");
-            project
-                .frames
-                .push(Frame::from_image(&name, "main".into(), SIZE).into());
+            project.frames.push(new_frame(&name, SIZE).into());
         }
         let mut packages: Vec<Document> = Vec::new();
         for round in 0..4 {

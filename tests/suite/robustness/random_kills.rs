@@ -3,11 +3,9 @@
 //! each kill follows from its number.
 #![cfg(feature = "opencv")]
 
-use crate::child::spawn_test;
-use crate::commands::relocalize_command::drawn_match;
+use crate::drawn::drawn_match;
 use crate::headless::Headless;
 use crate::program::touchline;
-use crate::seeded::rng;
 use rand::RngExt;
 use std::fs;
 use std::path::Path;
@@ -20,6 +18,8 @@ use touchline::document::{Document, FrameStatus, RejectReason};
 use touchline::media::sha256_of_file;
 use touchline::relocalize::ForestModel;
 use touchline::store::read;
+use touchline_core::testing::child::spawn_test;
+use touchline_core::testing::seeded::rng;
 
 const CHILD: &str = "TOUCHLINE_TEST_RANDOM_KILLS";
 

@@ -2,10 +2,8 @@
 //! `TOUCHLINE_SOAK=14400` makes it eight hours of one action every two seconds.
 #![cfg(all(feature = "opencv", target_os = "linux"))]
 
-use crate::child::spawn_test;
-use crate::commands::relocalize_command::drawn_match;
+use crate::drawn::drawn_match;
 use crate::headless::Headless;
-use crate::seeded::rng;
 use rand::RngExt;
 use std::fs;
 use std::path::Path;
@@ -17,6 +15,8 @@ use touchline::app::{
 };
 use touchline::document::RejectReason;
 use touchline::geometry::ImagePoint;
+use touchline_core::testing::child::spawn_test;
+use touchline_core::testing::seeded::rng;
 
 const CHILD: &str = "TOUCHLINE_TEST_SOAK";
 

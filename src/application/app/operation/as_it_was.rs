@@ -60,34 +60,29 @@ fn has_same_labels(one: &Frame, other: &Frame) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::Ptz;
-    use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
-    use touchline_documents::document::{Click, Clip, FieldSpec, FramePtz, FrameStatus};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_core::testing::pixel_box;
+    use touchline_documents::document::{Click, Clip, FrameStatus};
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document};
 
     type Change = fn(&mut Frame);
 
     #[test]
     fn a_frame_counts_as_it_was_unless_someone_worked_in_it() {
-        let mut then = Document::new(FieldSpec::new("soccer"));
+        let mut then = soccer_document();
         let size = ImageSize::new(64, 36);
-        then.frames
-            .push(Frame::from_image("a.jpg", "main".into(), size).into());
+        then.frames.push(new_frame("a.jpg", size).into());
         let id = then.frames[0].id.clone();
         let suggest = |frame: &mut Frame| {
             frame.status = FrameStatus::Suggested;
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+            frame.ptz = ptz_at(1.0, -9.0, 900.0);
         };
         let beside: [Change; 4] = [
             |frame| frame.clip = Some(Clip::Number(1)),
             |frame| frame.comment = Some("rain".to_owned()),
             |frame| frame.use_for_base = false,
             |frame| {
-                frame.masks.push(PixelBox {
-                    x: 0.0,
-                    y: 0.0,
-                    width: 9.0,
-                    height: 9.0,
-                });
+                frame.masks.push(pixel_box(0.0, 0.0, 9.0, 9.0));
             },
         ];
         let work: [Change; 4] = [

@@ -397,27 +397,22 @@ mod tests {
     use crate::app::operation::Report;
     use crate::app::panel_values::guidance::next_step;
     use crate::app::{Action, EditAction, Navigation};
-    use touchline_core::camera::{BaseAngles, Ptz};
+    use touchline_core::camera::Ptz;
     use touchline_core::geometry::{ImageSize, Mat3, Vec3};
     use touchline_core::solve::Uncertainty;
-    use touchline_documents::document::{Camera, FieldSpec, FramePtz, Solution, SolutionSource};
+    use touchline_core::testing::base_at;
+    use touchline_documents::document::{Camera, FramePtz, SolutionSource};
+    use touchline_documents::testing::{WithFrames, match_from, new_frame, solved_by};
     use touchline_vision::paint::LineCheck;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     /// Two frames of a camera with a base, without points.
     fn app() -> App {
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, SIZE.centre());
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
-        for name in ["a.jpg", "b.jpg"] {
-            let frame = Frame::from_image(name, "main".into(), SIZE);
-            document.frames.push(frame.into());
-        }
-        App::with_document(document)
+        App::with_document(
+            match_from(&base_at([0.0, -60.0, 18.0], SIZE), SIZE)
+                .with_pictures(["a.jpg", "b.jpg"], SIZE),
+        )
     }
 
     /// Starts a search of the painted lines of the first frame. Returns the report of its success.
@@ -487,20 +482,13 @@ mod tests {
     #[test]
     fn the_camera_before_is_mentioned_only_with_a_key_that_shows_it() {
         let size = ImageSize::new(1280, 720);
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, size.centre());
+        let base = base_at([0.0, -60.0, 18.0], size);
         let ptz = Ptz::from_degrees(0.0, -10.0, 1000.0);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), size);
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
-        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+        let mut document = match_from(&base, size);
+        let mut frame = new_frame("a.jpg", size);
         frame.ptz = Some(FramePtz::new(ptz, None));
         frame.status = FrameStatus::Draft;
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Markings),
-            ..Solution::default()
-        });
+        frame.solution = solved_by(SolutionSource::Markings);
         document.frames.push(frame.into());
         let mut app = App::with_document(document);
         let id = app.frame().unwrap().id.clone();

@@ -307,34 +307,26 @@ mod tests {
     use super::*;
     use crate::app::{Action, Navigation};
     use touchline_calibration::pipelines::{GivenCamera, MendedFrame, Outcome};
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{
-        Clip, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource,
-    };
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::base_at;
+    use touchline_documents::document::{Clip, FrameStatus, SolutionSource};
+    use touchline_documents::testing::{answered_by, ptz_at, soccer_document, solved_by};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     /// An application with four frames that have an imported camera each, and the same document
     /// with one camera for all of them.
     fn app() -> (App, Document) {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in 0..4 {
             let id = CameraId::from(format!("main-{index}").as_str());
             let mut camera = Camera::new(id.clone(), SIZE);
-            camera.set_base(&CameraBase::new(
-                Vec3::new(0.1 * f64::from(index), -62.0, 17.0),
-                BaseAngles::default().base_from_world(),
-                SIZE.centre(),
-            ));
+            camera.set_base(&base_at([0.1 * f64::from(index), -62.0, 17.0], SIZE));
             document.cameras.push(camera.into());
             let mut frame = Frame::from_image(&format!("{index}.jpg"), id, SIZE);
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -12.0, 1800.0), None));
+            frame.ptz = ptz_at(1.0, -12.0, 1800.0);
             frame.status = FrameStatus::Suggested;
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Import),
-                ..Solution::default()
-            });
+            frame.solution = solved_by(SolutionSource::Import);
             document.frames.push(frame.into());
         }
         let app = App::with_document(document.clone());
@@ -346,12 +338,8 @@ mod tests {
         for index in 0..4 {
             let frame = &mut mended.frames[index];
             frame.camera = CameraId::from("main-0");
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.2, -12.1, 1790.0), None));
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Markings),
-                confidence: Some(0.99),
-                ..Solution::default()
-            });
+            frame.ptz = ptz_at(1.2, -12.1, 1790.0);
+            frame.solution = answered_by(SolutionSource::Markings, Some(0.99));
         }
         (app, mended)
     }

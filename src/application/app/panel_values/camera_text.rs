@@ -119,17 +119,10 @@ fn rows(matrix: &Mat3) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{Angle, ImageSize};
+    use touchline_core::testing::{HD, TestBase, turned_base};
 
     fn camera() -> PtzCamera {
-        let down = BaseAngles {
-            pitch: Angle::from_degrees(-2.0),
-            ..BaseAngles::default()
-        };
-        let centre = ImageSize::new(1280, 720).centre();
-        let base = CameraBase::new(Vec3::new(1.0, -60.0, 18.0), down.base_from_world(), centre);
-        PtzCamera::new(base, Ptz::from_degrees(7.0, -9.5, 2100.0))
+        turned_base([1.0, -60.0, 18.0], [0.0, -2.0, 0.0], HD).aim(7.0, -9.5, 2100.0)
     }
 
     #[test]

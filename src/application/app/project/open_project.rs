@@ -85,6 +85,18 @@ impl OpenProject {
         Self::from_prepared(Prepared::from_document(document), file, folder, read_only)
     }
 
+    /// The open document of a test.
+    #[cfg(any(test, feature = "testing"))]
+    #[must_use]
+    pub fn with_document(document: Document) -> Self {
+        Self::new(
+            document,
+            "/match/project.json".into(),
+            "/match".into(),
+            None,
+        )
+    }
+
     /// [`Self::new`] for a prepared document.
     pub(in crate::app) fn from_prepared(
         prepared: Prepared,

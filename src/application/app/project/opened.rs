@@ -69,10 +69,11 @@ impl Opened {
     }
 }
 
-#[cfg(test)]
+#[cfg(any(test, feature = "testing"))]
 impl crate::app::App {
-    /// The application with a document open.
-    pub(in crate::app) fn with_document(document: Document) -> Self {
+    /// The application of a test with a document open.
+    #[must_use]
+    pub fn with_document(document: Document) -> Self {
         let mut app = Self::new(crate::app::Settings::default());
         let opened = Opened::new(document, "/match/project.json");
         app.update(crate::app::Action::Opened(Box::new(opened)));

@@ -44,19 +44,16 @@ impl PartialEq for Prepared {
 mod tests {
     use super::*;
     use crate::app::OpenProject;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, Frame, FramePtz, FrameStatus};
+    use touchline_documents::document::FrameStatus;
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document};
 
     #[test]
     fn what_was_prepared_holds_for_the_open_document() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for name in ["a.jpg", "b.jpg"] {
-            let mut frame = Frame::from_image(name, "main".into(), ImageSize::new(64, 36));
-            (frame.status, frame.ptz) = (
-                FrameStatus::Suggested,
-                Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None)),
-            );
+            let mut frame = new_frame(name, ImageSize::new(64, 36));
+            (frame.status, frame.ptz) = (FrameStatus::Suggested, ptz_at(1.0, -9.0, 900.0));
             document.frames.push(frame.into());
         }
         let prepared = Prepared::from_document(document.clone());

@@ -127,21 +127,19 @@ mod tests {
     use super::*;
     use crate::app::window_state::session::SidePanel;
     use crate::app::{Action, Command, Opened, Settings};
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{
-        Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus,
-    };
+    use touchline_documents::document::{Camera, FrameStatus};
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document};
 
     #[test]
     fn accepting_goes_on_in_the_queue_also_while_the_review_panel_is_open() {
         let size = ImageSize::new(64, 36);
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         let camera = Camera::new("main".into(), size);
         document.cameras.push(camera.into());
         for name in ["a.jpg", "b.jpg", "c.jpg"] {
-            let mut frame = Frame::from_image(name, "main".into(), size);
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 90.0), None));
+            let mut frame = new_frame(name, size);
+            frame.ptz = ptz_at(0.0, -9.0, 90.0);
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }

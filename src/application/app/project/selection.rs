@@ -88,16 +88,14 @@ mod tests {
     use crate::app::window_state::session::Filter;
     use crate::app::{Action, App, Navigation, ViewAction};
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Camera, Clip, Document, FieldSpec, Frame, FrameStatus};
+    use touchline_documents::document::{Clip, FrameStatus};
+    use touchline_documents::testing::{a_match, new_frame};
 
     fn app() -> App {
         let size = ImageSize::new(64, 36);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
+        let mut document = a_match(size);
         for index in 0..8 {
-            let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+            let mut frame = new_frame("a.jpg", size);
             frame.clip = Some(Clip::Number(i64::from(index >= 5)));
             frame.status = if index == 3 {
                 FrameStatus::Rejected

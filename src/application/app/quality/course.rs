@@ -286,31 +286,18 @@ pub fn within_whole(span: [f64; 2], whole: [f64; 2]) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, FieldSpec, FramePtz, VideoFrame};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::{SIZE, base_at};
+    use touchline_documents::document::VideoFrame;
+    use touchline_documents::testing::{match_from, ptz_at};
 
     /// A slow pan of one camera through two shots of six frames.
     fn document() -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
+        let mut document = match_from(&base_at([0.0, -60.0, 18.0], SIZE), SIZE);
         for index in 0..12_u32 {
             let video = VideoFrame::new("m.mp4", u64::from(index), Some(0.04 * f64::from(index)));
             let mut frame = Frame::from_video(video, "main".into(), SIZE);
             frame.clip = Some(Clip::Number(i64::from(index / 6)));
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(0.1 * f64::from(index), -10.0, 2000.0),
-                None,
-            ));
+            frame.ptz = ptz_at(0.1 * f64::from(index), -10.0, 2000.0);
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
@@ -331,10 +318,7 @@ mod tests {
         let mut document = document();
         assert!(course(&document, TimeAxis::Frame).standing_out.is_empty());
         for (frame, tilt_deg) in [(2, -11.5), (9, -14.0)] {
-            document.frames[frame].ptz = Some(FramePtz::new(
-                Ptz::from_degrees(0.0, tilt_deg, 2000.0),
-                None,
-            ));
+            document.frames[frame].ptz = ptz_at(0.0, tilt_deg, 2000.0);
         }
         let found = course(&document, TimeAxis::Frame);
         assert_eq!(found.standing_out, [9, 2], "the farthest off first");

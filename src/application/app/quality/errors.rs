@@ -291,29 +291,23 @@ fn expected_below(noises: &BTreeMap<u64, f64>, limit_px: f64) -> f64 {
 pub(super) mod tests {
     use super::*;
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Click, FieldSpec, FramePtz};
+    use touchline_core::camera::{Ptz, PtzCamera};
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::{base_at, soccer};
+    use touchline_documents::document::{Click, FramePtz};
+    use touchline_documents::testing::{match_from, new_frame};
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
     /// A document with frames whose clicks are displaced to the right by the given distances, px of
     /// the frame.
     pub fn document(frames: &[&[(&str, f64, bool)]]) -> Document {
-        let base = CameraBase::new(
-            Vec3::new(0.0, -62.0, 17.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
+        let base = base_at([0.0, -62.0, 17.0], SIZE);
         let ptz = Ptz::from_degrees(0.0, -14.0, 900.0);
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), SIZE);
-        camera.set_base(&base);
-        document.cameras.push(camera.into());
+        let field = soccer();
+        let mut document = match_from(&base, SIZE);
         for clicks in frames {
-            let mut frame = Frame::from_image("a.jpg", "main".into(), SIZE);
+            let mut frame = new_frame("a.jpg", SIZE);
             frame.ptz = Some(FramePtz::new(ptz, None));
             for &(name, off_px, check) in *clicks {
                 let world = field.landmark_in_world(field.landmark(name).unwrap());
@@ -352,13 +346,7 @@ pub(super) mod tests {
             .map(|click| (click.error_px * 10.0).round() / 10.0)
             .collect();
         assert_eq!(off, [2.0, 1.0, 0.0, 6.0], "a picture of half the width");
-        let sigma_px = builtin("soccer")
-            .unwrap()
-            .default_model()
-            .unwrap()
-            .landmark("centre_mark")
-            .unwrap()
-            .click_sigma_px;
+        let sigma_px = soccer().landmark("centre_mark").unwrap().click_sigma_px;
         assert!((found.clicks[3].expected_px - median_rayleigh() * sigma_px).abs() < 1e-9);
         let fitted = (3.0_f64 / 6.0).sqrt();
         assert!((found.clicks[0].expected_px - fitted * median_rayleigh() * sigma_px).abs() < 1e-9);

@@ -45,32 +45,25 @@ mod tests {
     use crate::app::OpenProject;
     use crate::app::review::{Review, ReviewChoice};
     use crate::app::window_state::session::{Session, SidePanel};
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{
-        Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
-    };
+    use touchline_documents::document::{Clip, FrameStatus, Solution, SolutionSource};
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document};
 
     /// Frames that belong to two shots alternately.
     fn opened(frames: usize) -> OpenProject {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in 0..frames {
-            let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
+            let mut frame = new_frame("x.jpg", ImageSize::new(64, 36));
             frame.clip = Some(Clip::Number(index as i64 % 2));
             document.frames.push(frame.into());
         }
-        OpenProject::new(
-            document,
-            "/match/project.json".into(),
-            "/match".into(),
-            None,
-        )
+        OpenProject::with_document(document)
     }
 
     /// Makes a suggestion for a frame, or replaces it.
     fn propose(open: &mut OpenProject, index: usize, confidence: f64) {
         let frame = &mut open.document.frames[index];
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 900.0), None));
+        frame.ptz = ptz_at(0.0, -9.0, 900.0);
         let solution = Solution {
             source: Some(SolutionSource::Forest),
             confidence: Some(confidence),

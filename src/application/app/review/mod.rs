@@ -220,32 +220,20 @@ mod tests {
     use crate::app::OpenProject;
     use crate::app::window_state::session::{Session, SidePanel};
     use touchline_calibration::calibrate::Disagreement;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{
-        Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
-    };
+    use touchline_documents::document::{FrameStatus, SolutionSource};
+    use touchline_documents::testing::{answered_by, new_frame, ptz_at, soccer_document};
 
     pub(super) fn opened(confidences: &[Option<f64>]) -> OpenProject {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for &confidence in confidences {
-            let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 900.0), None));
-            let solution = Solution {
-                source: Some(SolutionSource::Forest),
-                confidence,
-                ..Solution::default()
-            };
-            frame.solution = Some(solution);
+            let mut frame = new_frame("x.jpg", ImageSize::new(64, 36));
+            frame.ptz = ptz_at(0.0, -9.0, 900.0);
+            frame.solution = answered_by(SolutionSource::Forest, confidence);
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
-        OpenProject::new(
-            document,
-            "/match/project.json".into(),
-            "/match".into(),
-            None,
-        )
+        OpenProject::with_document(document)
     }
 
     pub(super) fn review_of(open: &mut OpenProject, choice: ReviewChoice) -> Review {

@@ -241,9 +241,10 @@ mod tests {
     use super::*;
     use crate::app::review::ReviewChoice;
     use crate::app::review::tests::{frames, opened, review_of};
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, FramePtz};
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::base_at;
+    use touchline_documents::document::Camera;
+    use touchline_documents::testing::ptz_at;
 
     #[test]
     fn of_each_shot_the_most_doubtful_stands_for_the_others() {
@@ -271,20 +272,12 @@ mod tests {
         let mut open = opened(&[Some(0.7), Some(0.9), None, Some(0.6), Some(0.8), Some(0.5)]);
         let size = ImageSize::new(64, 36);
         let mut camera = Camera::new("main".into(), size);
-        let level = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            level,
-            size.centre(),
-        ));
+        camera.set_base(&base_at([0.0, -60.0, 15.0], size));
         open.document.cameras.push(camera.into());
         for (index, frame) in open.document.frames.iter_mut().enumerate() {
             frame.image = Some(format!("{index}.jpg"));
             frame.clip = Some(Clip::Number(1));
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(index as f64, -9.0, 90.0),
-                None,
-            ));
+            frame.ptz = ptz_at(index as f64, -9.0, 90.0);
         }
         for order in ReviewOrder::ALL {
             let mut session = Session::default();
@@ -317,8 +310,7 @@ mod tests {
                 &mut open,
             );
             let turned = |document: &mut Document| {
-                document.frames[3].ptz =
-                    Some(FramePtz::new(Ptz::from_degrees(9.0, -9.0, 90.0), None));
+                document.frames[3].ptz = ptz_at(9.0, -9.0, 90.0);
             };
             step(&turned, &mut open);
             step(

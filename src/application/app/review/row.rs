@@ -125,8 +125,8 @@ mod tests {
     use super::*;
     use crate::app::review::ReviewChoice;
     use crate::app::review::tests::{frames, opened, review_of};
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::{TestBase, base_at};
     use touchline_documents::document::{ImportedCamera, PaintEvidence};
 
     #[test]
@@ -140,14 +140,7 @@ mod tests {
             (0.99, f64::INFINITY),
         ];
         for (frame, (score, moved_px)) in open.document.frames.iter_mut().zip(verdicts) {
-            let camera = PtzCamera::new(
-                CameraBase::new(
-                    Vec3::new(0.0, -60.0, 15.0),
-                    BaseAngles::default().base_from_world(),
-                    ImageSize::new(64, 36).centre(),
-                ),
-                Ptz::from_degrees(0.0, -9.0, 900.0),
-            );
+            let camera = base_at([0.0, -60.0, 15.0], ImageSize::new(64, 36)).aim(0.0, -9.0, 900.0);
             let fault = moved_px
                 .is_infinite()
                 .then(|| "under the ground".to_owned());

@@ -195,14 +195,14 @@ impl Stretch {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, FieldSpec, Frame};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     #[test]
     fn what_is_left_is_named_by_number_and_reason() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in 0..40 {
             let name = format!("{index}.jpg");
-            let frame = Frame::from_image(&name, "main".into(), ImageSize::new(64, 36));
+            let frame = new_frame(&name, ImageSize::new(64, 36));
             document.frames.push(frame.into());
         }
         let mut stretch = Stretch::new(document.frames.clone());

@@ -46,11 +46,11 @@ mod tests {
     use crate::app::operation::probe::Probe;
     use crate::app::operation::{Breakdown, Failure, Job, Report, RequestId};
     use crate::app::{Action, Effect, Opened, Settings, ViewAction};
-    use touchline_documents::document::{Document, FieldSpec};
+    use touchline_documents::testing::soccer_document;
 
     fn opened() -> Action {
         Action::Opened(Box::new(Opened::new(
-            Document::new(FieldSpec::new("soccer")),
+            soccer_document(),
             "/match/project.json",
         )))
     }

@@ -208,22 +208,14 @@ mod tests {
     use crate::app::Effect;
     use crate::jobs::runner::tests::Bench;
     use std::sync::mpsc::channel;
-    use touchline_documents::document::{Document, FieldSpec};
     use touchline_documents::store::Location;
+    use touchline_documents::testing::{WithFrames, soccer_document};
 
     /// A folder with a document of `frames` frames.
     fn project(frames: usize) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |index: usize| {
-            touchline_documents::document::Frame::from_image(
-                &index.to_string(),
-                "main".into(),
-                SIZE,
-            )
-            .into()
-        };
-        document.frames.extend((0..frames).map(frame));
+        let names = (0..frames).map(|index| index.to_string());
+        let document = soccer_document().with_pictures(names, SIZE);
         let location = Location::for_new_document(&folder.path().join("project.json")).unwrap();
         touchline_documents::store::write_document(&location, &document, false).unwrap();
         folder

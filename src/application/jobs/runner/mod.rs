@@ -220,7 +220,7 @@ mod tests {
     use crate::app::{App, Opened, Settings};
     use std::sync::Arc;
     use std::sync::mpsc::{Receiver, channel};
-    use touchline_documents::document::{Document, FieldSpec};
+    use touchline_documents::testing::soccer_document;
 
     /// An application with an open document, and its runner.
     pub(super) struct Bench {
@@ -259,7 +259,7 @@ mod tests {
 
     fn opened() -> Action {
         Action::Opened(Box::new(Opened::new(
-            Document::new(FieldSpec::new("soccer")),
+            soccer_document(),
             "/match/project.json",
         )))
     }

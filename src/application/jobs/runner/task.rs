@@ -159,7 +159,7 @@ mod tests {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt as _;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, FieldSpec, Frame};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     #[test]
     fn a_copy_that_could_not_name_its_pictures_is_refused() {
@@ -168,8 +168,8 @@ mod tests {
         let clip = root.join(OsStr::from_bytes(b"clip-\xff"));
         std::fs::create_dir(&clip).unwrap();
         std::fs::write(clip.join("1.png"), "picture").unwrap();
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = Frame::from_image("1.png", "main".into(), ImageSize::new(64, 36));
+        let mut document = soccer_document();
+        let frame = new_frame("1.png", ImageSize::new(64, 36));
         document.frames.push(frame.into());
         let copy = root.join("copy");
         let refused = save_copy(document.at(&clip), &copy).unwrap_err();

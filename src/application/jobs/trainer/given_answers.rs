@@ -72,15 +72,11 @@ impl GivenAnswer {
 mod tests {
     use super::*;
     use touchline_calibration::proposals::{Answer, TrackedProposal};
-    use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, FrameStatus};
+    use touchline_documents::document::FrameStatus;
+    use touchline_documents::testing::{SMALL, WithFrames, soccer_document};
 
     fn document() -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame =
-            |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 36)).into();
-        document.frames.extend(["a.jpg", "b.jpg"].map(frame));
-        document
+        soccer_document().with_pictures(["a.jpg", "b.jpg"], SMALL)
     }
 
     fn key(document: &Document, position: usize, generation: u64, is_tracked: bool) -> AnswerKey {

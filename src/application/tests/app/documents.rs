@@ -21,11 +21,7 @@ fn a_document_to_look_at_only_stays_as_it_is() {
     bench.act(Action::Edit(EditAction::SetComment("no".into())));
     assert_eq!(*bench.app.open().unwrap().document, document(2, true));
     assert!(bench.effects.is_empty());
-    assert!(
-        bench.last_notice().contains("another program has it open"),
-        "{}",
-        bench.last_notice()
-    );
+    bench.assert_notice("another program has it open");
 }
 
 #[test]

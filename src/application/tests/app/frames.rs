@@ -7,7 +7,8 @@ use touchline_application::app::{
     Action, Command, EditAction, MaskList, MaskScope, Navigation, PointerAction, ViewAction,
 };
 use touchline_core::camera::Ptz;
-use touchline_core::geometry::{ImagePoint, PixelBox, Vec3};
+use touchline_core::geometry::{ImagePoint, Vec3};
+use touchline_core::testing::pixel_box;
 use touchline_documents::document::{FrameStatus, RejectReason};
 
 #[test]
@@ -60,11 +61,7 @@ fn undo_on_another_frame_goes_there_first() {
         1,
         "the first press only goes there"
     );
-    assert!(
-        bench.last_notice().contains("Press again"),
-        "{}",
-        bench.last_notice()
-    );
+    bench.assert_notice("Press again");
     bench.command(Command::Undo);
     bench.command(Command::Undo);
     assert!(bench.frame().clicks.is_empty());
@@ -171,12 +168,7 @@ fn without_a_base_clicks_are_kept_and_the_error_says_what_is_missing() {
 #[test]
 fn a_mask_of_one_frame_becomes_one_of_every_frame_in_one_step() {
     let mut bench = Bench::new(document(3, true));
-    let score = PixelBox {
-        x: 40.0,
-        y: 30.0,
-        width: 300.0,
-        height: 50.0,
-    };
+    let score = pixel_box(40.0, 30.0, 300.0, 50.0);
     bench.act(Action::Edit(EditAction::AddMask {
         of_camera: false,
         mask: score,

@@ -5,31 +5,30 @@ mod frames;
 mod names;
 mod points;
 
-use crate::bench::{Bench, SIZE, base, landmark_in};
+use crate::bench::Bench;
 use touchline_application::app::session::Mode;
 use touchline_application::app::{Action, EditAction, Navigation};
-use touchline_core::camera::{Ptz, PtzCamera};
-use touchline_core::field::builtin;
+use touchline_application::testing::{base, landmark_in};
+use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImagePoint;
-use touchline_documents::document::{Camera, Clip, Document, FieldSpec, Frame, Target};
+use touchline_core::testing::{SIZE, TestBase, soccer};
+use touchline_documents::document::{Camera, Clip, Document, Frame, Target};
+use touchline_documents::testing::{new_frame, soccer_document};
 
 /// The truth of frame `index`: a slow pan.
 fn truth(index: usize) -> PtzCamera {
-    PtzCamera::new(
-        base(),
-        Ptz::from_degrees(-4.0 + 0.6 * index as f64, -14.0, 2300.0),
-    )
+    base().aim(-4.0 + 0.6 * index as f64, -14.0, 2300.0)
 }
 
 fn document(frames: usize, with_base: bool) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut document = soccer_document();
     let mut camera = Camera::new("main".into(), SIZE);
     if with_base {
         camera.set_base(&base());
     }
     document.cameras.push(camera.into());
     for index in 0..frames {
-        let mut frame = Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE);
+        let mut frame = new_frame(&format!("images/{index:04}.jpg"), SIZE);
         frame.clip = Some(Clip::Number(i64::from(index >= 4)));
         document.frames.push(frame.into());
     }
@@ -46,14 +45,7 @@ impl Bench {
     fn place(&mut self, landmark: &str) {
         self.click(self.image_of(landmark));
         if let Mode::Naming(_) = self.app.session.mode {
-            let code = builtin("soccer")
-                .unwrap()
-                .default_model()
-                .unwrap()
-                .landmark(landmark)
-                .unwrap()
-                .code
-                .clone();
+            let code = soccer().landmark(landmark).unwrap().code.clone();
             self.act(Action::Navigate(Navigation::TypeName(code)));
             self.act(Action::Edit(EditAction::TakeName(0)));
         }

@@ -104,10 +104,6 @@ fn a_name_is_given_once_in_a_frame() {
         click: 2,
         target: Target::Landmark("centre_mark".into()),
     }));
-    assert!(
-        bench.last_notice().contains("already point 2"),
-        "{}",
-        bench.last_notice()
-    );
+    bench.assert_notice("already point 2");
     assert_eq!([named(&bench, 1), named(&bench, 2)], [mark, None]);
 }

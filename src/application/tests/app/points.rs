@@ -6,8 +6,8 @@ use touchline_application::app::session::{Mode, Saving};
 use touchline_application::app::{
     Action, Command, DiskReport, EditAction, Effect, Navigation, PointerAction, Tool,
 };
-use touchline_core::field::builtin;
 use touchline_core::geometry::ImagePoint;
+use touchline_core::testing::soccer;
 use touchline_documents::document::{Frame, FrameStatus, SolutionSource, Target};
 
 #[test]
@@ -73,7 +73,7 @@ fn landmark_first_shows_the_field_while_the_pointer_moves() {
 
 /// The image of a point of the far touchline, at a share of its length.
 fn on_far_touchline(share: f64) -> ImagePoint {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let field = soccer();
     let line = &field.line("touchline_far").unwrap().curve;
     truth(0).image_from_world(line.point_at(share)).unwrap()
 }

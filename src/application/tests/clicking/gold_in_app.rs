@@ -1,8 +1,7 @@
 //! Gold frames in the application: chosen, clicked again blind, undone, journalled; the resulting
 //! click noise and its use.
 
-use crate::bench::{Bench, SIZE, base, landmark_in, without_counts};
-use crate::seeded::{normal, rng};
+use crate::bench::Bench;
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline_application::app::operation::{Breakdown, Failure};
@@ -10,22 +9,21 @@ use touchline_application::app::operations::{Comparison, ComparisonResult};
 use touchline_application::app::{
     Action, Command, EditAction, Effect, Navigation, PointerAction, Question,
 };
+use touchline_application::testing::{base, landmark_in, without_counts};
 use touchline_calibration::calibrate::ENOUGH_REPEATS;
 use touchline_calibration::evaluate::agreement;
-use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec2};
-use touchline_documents::document::{
-    Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target,
-};
+use touchline_core::testing::SIZE;
+use touchline_core::testing::TestBase;
+use touchline_core::testing::seeded::{normal, rng};
+use touchline_documents::document::{Click, Document, FrameStatus, Target};
+use touchline_documents::testing::{match_from, new_frame};
 
 const LANDMARKS: [&str; 3] = ["centre_mark", "halfway_far", "centre_circle_halfway_near"];
 
 fn exact(frame: usize, landmark: &str) -> ImagePoint {
     landmark_in(
-        &PtzCamera::new(
-            base(),
-            Ptz::from_degrees(2.0 * frame as f64 - 3.0, -12.0, 2200.0),
-        ),
+        &base().aim(2.0 * frame as f64 - 3.0, -12.0, 2200.0),
         landmark,
     )
 }
@@ -36,12 +34,9 @@ fn jitter(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
 
 /// Accepted frames with three points each, with click noise of this sigma.
 fn accepted_frames(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Bench {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
+    let mut document = match_from(&base(), SIZE);
     for index in 0..frames {
-        let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
+        let mut frame = new_frame(&format!("{index}.jpg"), SIZE);
         frame.status = FrameStatus::Draft;
         frame.clicks = LANDMARKS
             .iter()
@@ -236,11 +231,7 @@ fn another_document_is_compared_on_the_quality_page() {
         !bench.app.operations.comparison.is_running()
             && bench.app.operations.comparison.last_result().is_none()
     );
-    assert!(
-        bench.last_notice().contains("no such file"),
-        "{}",
-        bench.last_notice()
-    );
+    bench.assert_notice("no such file");
 
     let mut other = document.clone();
     for frame in &mut other.frames {
@@ -291,11 +282,7 @@ fn enough_blind_clicks_weigh_the_points_until_that_is_undone() {
         noise.interval_95[0] < 0.5 && 0.5 < noise.interval_95[1],
         "{noise:?}"
     );
-    assert!(
-        bench.last_notice().contains("Your click noise is"),
-        "{}",
-        bench.last_notice()
-    );
+    bench.assert_notice("Your click noise is");
 
     let sigma = |bench: &Bench| {
         let solution = bench.document().frames[2].solution.as_ref().unwrap();

@@ -1,16 +1,18 @@
 //! A drawn landmark or line is grabbed and dragged to where the picture shows it.
 
-use crate::bench::{Bench, SIZE, base, landmark_in};
-use crate::proposed::{blank, suggestions, truth};
+use crate::bench::Bench;
 use touchline_application::app::session::{Filter, Mode};
 use touchline_application::app::{Action, Command, EditAction, PointerAction};
 use touchline_application::scene::drawn_element::ElementReach;
+use touchline_application::testing::proposed::{blank, suggestions, truth};
+use touchline_application::testing::{base, landmark_in};
 use touchline_core::camera::{Ptz, PtzCamera};
-use touchline_core::field::builtin;
 use touchline_core::geometry::ImagePoint;
+use touchline_core::testing::{SIZE, TestBase, soccer};
 use touchline_documents::document::{
-    Click, Document, Frame, FramePtz, FrameStatus, RejectReason, Solution, SolutionSource, Target,
+    Click, Document, Frame, FramePtz, FrameStatus, RejectReason, SolutionSource, Target,
 };
+use touchline_documents::testing::{answered_by, solved_by};
 
 const REACH: ElementReach = ElementReach {
     landmark_px: 12.0,
@@ -21,13 +23,10 @@ const REACH: ElementReach = ElementReach {
 fn picture_camera() -> PtzCamera {
     let own = truth(0);
     let turned_deg = (50.0 / own.focal_px).atan().to_degrees();
-    PtzCamera::new(
-        base(),
-        Ptz::from_degrees(
-            own.pan.degrees() + turned_deg,
-            own.tilt.degrees(),
-            own.focal_px,
-        ),
+    base().aim(
+        own.pan.degrees() + turned_deg,
+        own.tilt.degrees(),
+        own.focal_px,
     )
 }
 
@@ -37,10 +36,7 @@ fn off_by_50_px(source: SolutionSource) -> Document {
     let frame = &mut document.frames[0];
     frame.ptz = Some(FramePtz::new(truth(0), None));
     frame.status = FrameStatus::Draft;
-    frame.solution = Some(Solution {
-        source: Some(source),
-        ..Solution::default()
-    });
+    frame.solution = solved_by(source);
     document
 }
 
@@ -165,7 +161,7 @@ fn a_second_dragged_landmark_determines_the_camera_by_clicks() {
 #[test]
 fn a_dragged_line_is_a_click_on_that_line() {
     let mut bench = Bench::new(off_by_50_px(SolutionSource::Import));
-    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let field = soccer();
     let mark = field.landmark_in_world(field.landmark("centre_mark").unwrap());
     let on_line = mark + touchline_core::geometry::Vec3::new(0.0, 5.0, 0.0);
     let camera = bench.app.current().camera.unwrap();
@@ -285,11 +281,7 @@ fn doubtful_frames_beside_a_dragged_one_follow_it() {
         let neighbour = &mut document.frames[1];
         neighbour.ptz = Some(FramePtz::new(truth(0), None));
         neighbour.status = FrameStatus::Suggested;
-        neighbour.solution = Some(Solution {
-            source: Some(SolutionSource::Markings),
-            confidence,
-            ..Solution::default()
-        });
+        neighbour.solution = answered_by(SolutionSource::Markings, confidence);
         let mut bench = Bench::new(document);
         bench.press_drawn(drawn_place(&bench, "centre_mark"));
         bench.drag_to(landmark_in(&picture_camera(), "centre_mark"));

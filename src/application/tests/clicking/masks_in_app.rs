@@ -1,29 +1,21 @@
 //! Masks by hand in the application, which get their frames.
 
-use crate::bench::{Bench, SIZE};
+use crate::bench::Bench;
 use touchline_application::app::{
     Action, App, Command, EditAction, MaskList, MaskScope, Navigation, Tool,
 };
 use touchline_core::geometry::PixelBox;
-use touchline_documents::document::{
-    Camera, Clip, Document, FieldSpec, Frame, MaskSource, VideoFrame,
-};
+use touchline_core::testing::{SIZE, pixel_box};
+use touchline_documents::document::{Camera, Clip, Document, MaskSource, VideoFrame};
+use touchline_documents::testing::{a_match, new_frame};
 
-pub const BUG: PixelBox = PixelBox {
-    x: 60.0,
-    y: 40.0,
-    width: 300.0,
-    height: 50.0,
-};
+pub const BUG: PixelBox = pixel_box(60.0, 40.0, 300.0, 50.0);
 
 /// Ten frames of a video, the last four another shot.
 pub fn video() -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), SIZE).into());
+    let mut document = a_match(SIZE);
     for index in 0..10 {
-        let mut frame = Frame::from_image("", "main".into(), SIZE);
+        let mut frame = new_frame("", SIZE);
         frame.image = None;
         frame.video = Some(VideoFrame::new("match.mp4", 100 * index, None));
         frame.clip = Some(Clip::Number(i64::from(index >= 6)));
@@ -164,7 +156,10 @@ fn selected_frames_of_two_videos_or_cameras_get_the_mask_each_for_itself() {
 
 #[test]
 fn escape_leaves_the_masks_and_enter_accepts_nothing_below_them() {
-    let mut bench = Bench::new(crate::proposed::suggestions(&[Some(0.9), Some(0.9)]));
+    let mut bench = Bench::new(touchline_application::testing::proposed::suggestions(&[
+        Some(0.9),
+        Some(0.9),
+    ]));
     bench.command(Command::ShowMasks);
     bench.command(Command::Accept);
     bench.command(Command::AcceptAndStay);

@@ -1,42 +1,38 @@
 //! Wrong names in the application: found, marked, compared, mended in one step of undo; and written
 //! into the document.
 
-use crate::bench::{Bench, SIZE, base};
-use crate::seeded::{self, normal};
+use crate::bench::Bench;
 use touchline_application::app::session::Mode;
 use touchline_application::app::{
     Action, App, Command, EditAction, Effect, Navigation, PointerAction,
 };
+use touchline_application::testing::base;
 use touchline_calibration::calibrate::{FrameLookup, calibrate};
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::field::builtin;
 use touchline_core::geometry::{Vec2, Vec3};
 use touchline_core::solve::{IdentityKind, Verdict, WarningCode, judge};
+use touchline_core::testing::seeded::{self, normal};
+use touchline_core::testing::{SIZE, landmark_in, soccer};
 use touchline_documents::document::{
-    Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target, VideoFrame,
-    document_from_bytes, document_to_string,
+    Click, Document, Frame, FrameStatus, Target, VideoFrame, document_from_bytes,
+    document_to_string,
 };
+use touchline_documents::testing::{WithFrames, a_match, match_from, new_frame};
 
 pub fn project() -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
-    document
+    match_from(&base(), SIZE)
 }
 
 /// A frame with clicks on landmarks, each named as the pair says, a little off.
 fn frame(name: &str, ptz: Ptz, spots: &[(&str, &str)]) -> Frame {
-    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let field = soccer();
     let camera = PtzCamera::new(base(), ptz);
     let mut rng = seeded::rng(name);
-    let mut frame = Frame::from_image(name, "main".into(), SIZE);
+    let mut frame = new_frame(name, SIZE);
     frame.clicks = spots
         .iter()
         .map(|(shown, named)| {
-            let at = camera
-                .image_from_world(field.landmark_in_world(field.landmark(shown).unwrap()))
-                .unwrap();
+            let at = landmark_in(&camera, &field, shown);
             let off = Vec2::new(normal(&mut rng), normal(&mut rng));
             Click::landmark((*named).into(), at.translate(off))
         })
@@ -416,13 +412,7 @@ fn a_name_in_use_is_found_by_typing_it_and_taking_it_swaps_the_two() {
 
 #[test]
 fn what_nothing_painted_marks_is_not_suggested_before_a_base_and_warned_of_when_typed() {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), SIZE).into());
-    document
-        .frames
-        .push(Frame::from_image("a.jpg", "main".into(), SIZE).into());
+    let document = a_match(SIZE).with_pictures(["a.jpg"], SIZE);
     let mut app = open_document(document);
     let place = |app: &mut App, x: f64| {
         app.update(Action::Pointer(PointerAction::Press {
@@ -462,9 +452,7 @@ fn what_nothing_painted_marks_is_not_suggested_before_a_base_and_warned_of_when_
     );
     // With a base it is a name like others.
     let mut document = project();
-    document
-        .frames
-        .push(Frame::from_image("a.jpg", "main".into(), SIZE).into());
+    document.frames.push(new_frame("a.jpg", SIZE).into());
     let mut app = open_document(document);
     place(&mut app, 700.0);
     let Mode::Naming(naming) = &app.session.mode else {

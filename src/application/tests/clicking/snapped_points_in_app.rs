@@ -1,17 +1,19 @@
 //! Points in the application that go to the paint that they name: part of the step that placed
 //! them, and held off by Alt.
 
-use crate::bench::{Bench, base, landmark_in};
-use crate::proposed::blank;
+use crate::bench::Bench;
 use touchline_application::app::operations::PointSnap;
 use touchline_application::app::{Action, Command, EditAction, Effect, Navigation, PointerAction};
+use touchline_application::testing::proposed::blank;
+use touchline_application::testing::{base, landmark_in};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImagePoint, Vec2};
+use touchline_core::testing::TestBase;
 use touchline_documents::document::{Click, Target};
 use touchline_vision::paint::SnappedPoint;
 
 fn true_camera() -> PtzCamera {
-    PtzCamera::new(base(), Ptz::from_degrees(-4.0, -14.0, 2300.0))
+    base().aim(-4.0, -14.0, 2300.0)
 }
 
 impl Bench {

@@ -1,8 +1,8 @@
 //! A program that is killed while it writes.
 
 use super::{click, new_project, open_project, total_clicks};
-use crate::child::{numbers_behind, spawn_test};
 use std::path::Path;
+use touchline_core::testing::child::{numbers_behind, spawn_test};
 use touchline_documents::document::History;
 use touchline_documents::store::{Access, ReadOnly, open};
 

@@ -8,36 +8,22 @@ mod recovery;
 mod saver;
 mod saving;
 
+use crate::headless::project_of;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-use touchline_core::geometry::{ImagePoint, ImageSize};
-use touchline_documents::document::{Click, Document, Edit, FieldSpec, Frame};
-use touchline_documents::store::{Access, DocumentStore as _, Location, Opened, Store, open};
+use touchline_core::geometry::ImagePoint;
+use touchline_core::testing::HD;
+use touchline_documents::document::{Click, Document, Edit};
+use touchline_documents::store::{Access, DocumentStore as _, Opened, Store, open};
+use touchline_documents::testing::{WithFrames, soccer_document};
 
 fn document(frames: usize) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let frame = |index| {
-        Frame::from_image(
-            &format!("images/{index:04}.jpg"),
-            "main".into(),
-            ImageSize::new(1280, 720),
-        )
-    };
-    document.frames = (0..frames).map(|index| frame(index).into()).collect();
-    document
+    let names = (0..frames).map(|index| format!("images/{index:04}.jpg"));
+    soccer_document().with_pictures(names, HD)
 }
 
 fn new_project(frames: usize) -> (TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("match");
-    drop(
-        Store::create(
-            &Location::for_new_document(&path.join("")).unwrap(),
-            &document(frames),
-        )
-        .unwrap(),
-    );
-    (folder, path)
+    project_of(&document(frames))
 }
 
 fn open_project(path: &Path) -> (Project, Document) {

@@ -1,15 +1,15 @@
 //! Suggestions come in batches, and a batch is discarded by one command, in one step of undo.
 
 use crate::bench::Bench;
-use crate::proposed::{blank, proposal_in};
 use crate::reviewing::review_in_app::proposal;
 use touchline_application::app::session::Dialog;
 use touchline_application::app::{Action, Command, EditAction, Navigation, TrainerReport};
+use touchline_application::testing::proposed::{blank, proposal_in};
 use touchline_calibration::proposals::Proposal;
-use touchline_core::camera::Ptz;
 use touchline_documents::document::{
-    Frame, FramePtz, FrameStatus, ImportedCamera, Solution, SolutionSource, document_to_string,
+    Frame, FrameStatus, ImportedCamera, SolutionSource, document_to_string,
 };
+use touchline_documents::testing::{ptz_at, solved_by};
 
 fn propose(bench: &mut Bench, generation: u64, pans_deg: &[(usize, Option<f64>)]) {
     let proposals = pans_deg
@@ -81,11 +81,8 @@ fn imported_cameras_are_not_discarded_and_come_back_where_they_were_replaced() {
     for frame in &mut document.frames {
         let frame: &mut Frame = frame;
         frame.status = FrameStatus::Suggested;
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -12.0, 1800.0), None));
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Import),
-            ..Solution::default()
-        });
+        frame.ptz = ptz_at(1.0, -12.0, 1800.0);
+        frame.solution = solved_by(SolutionSource::Import);
     }
     let came = document.clone();
     let mut bench = Bench::new(document.clone());

@@ -2,11 +2,11 @@
 //! and a new base make of them.
 
 use crate::bench::Bench;
-use crate::proposed::{blank, proposal_in};
 use touchline_application::app::session::Mode;
 use touchline_application::app::{
     Action, Command, EditAction, Effect, Navigation, PointerAction, TrainerReport,
 };
+use touchline_application::testing::proposed::{blank, proposal_in};
 use touchline_calibration::proposals::{FrameRequest, Proposal};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_documents::document::{

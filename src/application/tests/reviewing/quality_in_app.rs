@@ -1,20 +1,21 @@
 //! The quality page in the application: what it derives and when, what it leaves alone, the way to
 //! a frame and back.
 
-use crate::bench::{Bench, SIZE, base};
+use crate::bench::Bench;
 use touchline_application::app::quality::TimeAxis;
 use touchline_application::app::session::SidePanel;
 use touchline_application::app::{Action, Command, EditAction, Navigation, ViewAction};
+use touchline_application::testing::base;
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::Verdict;
-use touchline_documents::document::{
-    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus,
-};
+use touchline_core::testing::SIZE;
+use touchline_documents::document::{Camera, Click, Clip, Document, Frame, FrameStatus};
+use touchline_documents::testing::{ptz_at, soccer_document};
 
 /// Two cameras alternately, a slow pan of each; the fifth frame of the first looks elsewhere.
 fn document() -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut document = soccer_document();
     for name in ["main", "high"] {
         let mut camera = Camera::new(name.into(), SIZE);
         camera.set_base(&base());
@@ -30,10 +31,7 @@ fn document() -> Document {
         } else {
             0.1 * f64::from(index)
         };
-        frame.ptz = Some(FramePtz::new(
-            Ptz::from_degrees(pan_deg, -12.0, 2000.0),
-            None,
-        ));
+        frame.ptz = ptz_at(pan_deg, -12.0, 2000.0);
         frame.status = FrameStatus::Reference;
         frame.clicks.push(Click::landmark(
             "centre_mark".into(),
@@ -189,7 +187,7 @@ fn escape_closes_the_page_and_a_panel_takes_its_place() {
         (bench.app.session.quality.open, bench.app.session.panel),
         (false, SidePanel::Review)
     );
-    let mut empty = Bench::new(Document::new(FieldSpec::new("soccer")));
+    let mut empty = Bench::new(soccer_document());
     empty.command(Command::QualityPage);
     assert!(empty.app.session.quality.open && empty.app.quality().course.whole.is_none());
     empty.command(Command::ZoomIn);

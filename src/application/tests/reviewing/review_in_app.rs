@@ -2,9 +2,9 @@
 //! corrected, rejected.
 
 pub use crate::reviewing::proposals_in_app::proposal;
+use touchline_documents::testing::ptz_at;
 
-use crate::bench::{Bench, base, landmark_in};
-use crate::proposed::{suggestions, truth};
+use crate::bench::Bench;
 use std::sync::Arc;
 use touchline_application::app::guidance::next_step;
 use touchline_application::app::review::ReviewOrder;
@@ -12,10 +12,12 @@ use touchline_application::app::session::{Dialog, Filter, Mode, SidePanel};
 use touchline_application::app::{
     Action, Command, EditAction, Effect, Navigation, PointerAction, TrainerReport, ViewAction,
 };
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_application::testing::proposed::{suggestions, truth};
+use touchline_application::testing::{base, landmark_in};
+use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{
-    Frame, FramePtz, FrameStatus, Frames, RejectReason, SolutionSource, Target,
+    Frame, FrameStatus, Frames, RejectReason, SolutionSource, Target,
 };
 
 impl Bench {
@@ -231,7 +233,7 @@ fn what_comes_while_the_question_stands_is_not_accepted_with_the_others() {
 #[test]
 fn one_that_jumps_out_of_its_neighbours_is_not_accepted_with_the_others() {
     let mut document = suggestions(&[Some(0.99); 5]);
-    document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(7.0, -14.0, 2300.0), None));
+    document.frames[2].ptz = ptz_at(7.0, -14.0, 2300.0);
     let mut bench = Bench::new(document);
     bench.command(Command::AcceptAllAbove);
     let rows = &bench.app.review().rows;

@@ -1,7 +1,6 @@
 //! A stretch of selected frames accepted together: those on the paint, and what is left of it.
 
 use crate::bench::Bench;
-use crate::proposed::{blank, proposal_in, truth};
 use touchline_application::app::guidance::next_step;
 use touchline_application::app::review::{BulkAccept, LeftReason};
 use touchline_application::app::selection::Selecting;
@@ -9,11 +8,13 @@ use touchline_application::app::session::{Dialog, Filter, Level};
 use touchline_application::app::{
     Action, Command, EditAction, Effect, Navigation, TrainerReport, ViewAction,
 };
+use touchline_application::testing::proposed::{blank, proposal_in, truth};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{
     Click, Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource,
 };
+use touchline_documents::testing::ptz_at;
 
 /// Evidence of paint with a probability of being right, at 200 open places.
 fn paint(score: f64) -> PaintEvidence {
@@ -241,7 +242,7 @@ fn what_speaks_against_a_frame_beside_the_paint_keeps_it_out() {
 #[test]
 fn a_camera_out_of_line_with_its_neighbours_is_accepted_only_where_a_person_says_so() {
     let mut document = imported_cameras(5);
-    document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(7.0, -14.0, 2300.0), None));
+    document.frames[2].ptz = ptz_at(7.0, -14.0, 2300.0);
     let mut bench = Bench::new(document);
     bench.select_to(4);
     bench.command(Command::Accept);

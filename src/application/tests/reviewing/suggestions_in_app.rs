@@ -1,15 +1,16 @@
 //! What is suggested stays beside what people do: outside undo, on disk at once, in the file as the
 //! format has it.
 
-use crate::bench::{Bench, without_counts};
+use crate::bench::Bench;
 use crate::headless::Headless;
-use crate::proposed::{blank, proposal_in, suggestions};
 use crate::reviewing::review_in_app::proposal;
 use std::fs;
 use touchline_application::app::session::Saving;
 use touchline_application::app::{
     Action, App, Command, EditAction, Navigation, PointerAction, TrainerReport,
 };
+use touchline_application::testing::proposed::{blank, proposal_in, suggestions};
+use touchline_application::testing::without_counts;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{
     Document, FrameStatus, document_from_bytes, document_to_string,

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{ImageSize, Vec3};
 use touchline_documents::document::{
-    Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, ShotKind, Solution, SolutionSource,
-    VideoFrame, VideoShots, document_from_bytes,
+    Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
 };
+use touchline_documents::testing::{WithFrames, a_match, answered_by, load, new_video_frame};
 
 fn demo_folder() -> PathBuf {
     let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects/demo");
@@ -16,7 +16,7 @@ fn demo_folder() -> PathBuf {
 /// A document of the demo match, with its pictures where they are.
 fn read(name: &str) -> Document {
     let folder = demo_folder();
-    let mut document = document_from_bytes(&std::fs::read(folder.join(name)).unwrap()).unwrap();
+    let mut document = load(folder.join(name));
     for frame in &mut document.frames {
         let image = folder.join(frame.image.as_ref().unwrap());
         frame.image = Some(image.to_string_lossy().into_owned());
@@ -68,11 +68,7 @@ fn with_cameras(turned_deg: f64, status: FrameStatus, source: SolutionSource) ->
         frame.clicks.clear();
         frame.status = status;
         frame.ptz = Some(FramePtz::new(ptz, None));
-        frame.solution = Some(Solution {
-            source: Some(source),
-            confidence: (source == SolutionSource::Forest).then_some(0.99),
-            ..Solution::default()
-        });
+        frame.solution = answered_by(source, (source == SolutionSource::Forest).then_some(0.99));
     }
     document
 }
@@ -111,15 +107,8 @@ pub fn unseen() -> Document {
 /// Thirty frames of a video with three shots.
 pub fn video() -> Document {
     let size = ImageSize::new(64, 36);
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    document
-        .cameras
-        .push(Camera::new("main".into(), size).into());
-    for index in 0..30 {
-        let video = VideoFrame::new("match.mp4", index, Some(index as f64 / 25.0));
-        let frame = Frame::from_video(video, "main".into(), size);
-        document.frames.push(frame.into());
-    }
+    let frames = (0..30).map(|index| new_video_frame("match.mp4", index, size));
+    let mut document = a_match(size).with_frames(frames);
     let cuts = [(10, ShotKind::Cut), (20, ShotKind::Fade)];
     VideoShots::from_cuts(&document, "match.mp4", 29, &cuts).write(&mut document);
     document

@@ -2,15 +2,16 @@
 
 use super::documents::{demo, displaced, imported, turned, unseen, video};
 use super::scene::Scene;
-use crate::bench::base;
 use crate::find_camera_in_app::{found_camera, unknown};
 use touchline_application::app::operations::{CameraSearch, FoundShots, ShotSearch};
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{
     Action, CameraChoice, Command, EditAction, Navigation, PointerAction,
 };
+use touchline_application::testing::base;
 use touchline_calibration::autocalibrate::AutocalibrationAnswer;
-use touchline_core::geometry::{ImagePoint, PixelBox};
+use touchline_core::geometry::ImagePoint;
+use touchline_core::testing::pixel_box;
 use touchline_documents::document::{Camera, Document, Frame, RejectReason, ShotKind};
 
 /// Work that changes the document: the document, the command, and its result.
@@ -114,12 +115,7 @@ impl Edit {
                 scene.act(Action::Pointer(PointerAction::Release));
             }
             Self::Mask => {
-                let mask = PixelBox {
-                    x: 2.0,
-                    y: 2.0,
-                    width: 20.0,
-                    height: 20.0,
-                };
+                let mask = pixel_box(2.0, 2.0, 20.0, 20.0);
                 let of_camera = false;
                 scene.edit(EditAction::AddMask { of_camera, mask });
             }

@@ -1,6 +1,5 @@
 //! A window on a project on disk, which can be killed and closed.
 
-use crate::bench::without_counts;
 use crate::headless::Headless;
 use crate::kept_edits::copy_files;
 use std::time::{Duration, Instant};
@@ -12,6 +11,7 @@ use touchline_application::app::{
     Action, App, Command, EditAction, Effect, Navigation, PointerAction,
 };
 use touchline_application::jobs::SharedPictures;
+use touchline_application::testing::without_counts;
 use touchline_documents::document::{Document, Target, document_to_string};
 use touchline_documents::store::{Location, Store};
 

@@ -7,7 +7,6 @@ use super::scene::Scene;
 use crate::burnt_in_in_app::found_mask;
 use crate::clicking::names_in_app;
 use crate::find_camera_in_app::{found_camera, two_cameras, unknown};
-use crate::seeded::rng;
 use crate::which_camera;
 use touchline_application::app::operations::{BurntInSearch, CameraSearch, FoundShots, ShotSearch};
 use touchline_application::app::selection::Scope;
@@ -17,11 +16,12 @@ use touchline_application::app::{
 };
 use touchline_calibration::autocalibrate::AutocalibrationAnswer;
 use touchline_core::geometry::{ImagePoint, Vec2};
+use touchline_core::testing::seeded::rng;
 use touchline_documents::document::{
     ClickNoise, Clip, Document, Extra, Frame, RejectReason, Repeat, ShotKind, Target,
-    document_to_string,
 };
 use touchline_documents::exchange::Format;
+use touchline_documents::testing::save;
 
 /// What a command does to a document.
 pub enum Plan {
@@ -172,7 +172,7 @@ fn of_five() -> Document {
 /// Writes another document beside the project and names it in answer to a question.
 fn answer(scene: &mut Scene, question: Question, document: &Document) {
     let file = scene.folder.path().join("other.json");
-    std::fs::write(&file, document_to_string(document).unwrap()).unwrap();
+    save(&file, document);
     scene.act(Action::Answer(question, file));
 }
 

@@ -294,6 +294,7 @@ mod tests {
         IMAGE_SIZE, base, hypothesis, matched_views, ptz, soccer,
     };
     use std::ops::ControlFlow;
+    use touchline_core::testing::SIZE;
     use touchline_vision::media::Picture;
 
     fn worst_apart_px(found: &[Ptz], truth: &[Ptz]) -> f64 {
@@ -403,8 +404,7 @@ mod tests {
     #[test]
     fn an_alignment_is_never_taken_as_exact() {
         let ptz = Ptz::from_degrees(10.0, -8.0, 2000.0);
-        let size = ImageSize::new(1920, 1080);
-        let prior = prior_from_alignment(4, ptz, &Mat3::zeros(), size).unwrap();
+        let prior = prior_from_alignment(4, ptz, &Mat3::zeros(), SIZE).unwrap();
         let sigma = |axis: usize| prior.information[(axis, axis)].sqrt().recip();
         assert_eq!(prior.frame, 4);
         assert!(
@@ -419,7 +419,7 @@ mod tests {
         );
         // 20 px of focal length are 1 % of it.
         let wide = Mat3::from_diagonal(&Vec3::new(0.0, 0.0, 400.0));
-        let prior = prior_from_alignment(4, ptz, &wide, size).unwrap();
+        let prior = prior_from_alignment(4, ptz, &wide, SIZE).unwrap();
         let sigma = prior.information[(2, 2)].sqrt().recip();
         assert!(
             (sigma - 0.01_f64.hypot(2.0 / 1920.0)).abs() < 1e-12,

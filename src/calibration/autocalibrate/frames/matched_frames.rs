@@ -255,6 +255,7 @@ mod tests {
     use crate::autocalibrate::rotating_camera::{
         IMAGE_SIZE, bare_frame, exact_match, exact_matches,
     };
+    use touchline_core::testing::pixel_box;
 
     /// Sampled frames with indices 20, 21, …
     fn sampled(count: usize) -> Vec<SampledFrame> {
@@ -323,12 +324,7 @@ mod tests {
     #[test]
     fn masks_stay_with_their_frames() {
         let mut frames = sampled(4);
-        let mask = PixelBox {
-            x: 0.0,
-            y: 0.0,
-            width: 200.0,
-            height: 40.0,
-        };
+        let mask = pixel_box(0.0, 0.0, 200.0, 40.0);
         frames[3].masks = vec![mask];
         let matches: Vec<ViewGraphEdge> = [(1, 2), (2, 3)]
             .iter()

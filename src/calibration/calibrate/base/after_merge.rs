@@ -113,30 +113,22 @@ fn with_cameras_of(document: &Document, origin: &Document) -> Document {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
     use crate::calibrate::{FrameLookup, calibrate};
-    use touchline_core::camera::{BaseAngles, Ptz, PtzCamera};
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{
-        Click, FramePtz, FrameStatus, Solution, SolutionSource, merge,
-    };
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::geometry::Vec3;
+    use touchline_core::testing::{SIZE, TestBase, base_at, soccer};
+    use touchline_documents::document::{Click, FrameStatus, SolutionSource, merge};
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at, solved_by};
 
     fn base(x_m: f64) -> CameraBase {
-        CameraBase::new(
-            Vec3::new(x_m, -62.0, 17.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        )
+        base_at([x_m, -62.0, 17.0], SIZE)
     }
 
     /// Two untouched frames.
     fn document() -> Document {
-        let mut document = document_with(&base(1.0), SIZE);
+        let mut document = match_from(&base(1.0), SIZE);
         document.frames = ["a", "b"]
-            .map(|name| Frame::from_image(name, "main".into(), SIZE).into())
+            .map(|name| new_frame(name, SIZE).into())
             .into_iter()
             .collect();
         document
@@ -144,8 +136,8 @@ mod tests {
 
     /// Clicks two landmarks where a camera at `x_m` sees them, and solves and accepts the frame.
     fn click(document: &mut Document, index: usize, x_m: f64) {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let camera = PtzCamera::new(base(x_m), Ptz::from_degrees(-4.0, -14.0, 2300.0));
+        let field = soccer();
+        let camera = base(x_m).aim(-4.0, -14.0, 2300.0);
         for landmark in ["centre_mark", "halfway_far"] {
             let world = field.landmark_in_world(field.landmark(landmark).unwrap());
             let at = camera.image_from_world(world).unwrap();
@@ -190,7 +182,7 @@ mod tests {
             &merged,
             &FrameLookup::from_document(&merged),
             &merged.frames[0],
-            &builtin("soccer").unwrap().default_model().unwrap(),
+            &soccer(),
             0,
         );
         assert!((pan_deg(&merged, 0) - again.unwrap().ptz.pan.degrees()).abs() < 1e-9);
@@ -227,11 +219,8 @@ mod tests {
         let (start, folder) = (document(), Path::new(""));
         let (mut ours, mut theirs) = (start.clone(), start.clone());
         let frame = &mut ours.frames[0];
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-4.0, -14.0, 2300.0), None));
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Forest),
-            ..Solution::default()
-        });
+        frame.ptz = ptz_at(-4.0, -14.0, 2300.0);
+        frame.solution = solved_by(SolutionSource::Forest);
         frame.status = FrameStatus::Reference;
         theirs.cameras[0].set_base(&base(4.0));
         let mut merged = merge(&start, &ours, &theirs).document;

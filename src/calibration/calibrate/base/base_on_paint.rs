@@ -301,23 +301,18 @@ fn first_cameras(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
     use std::path::Path;
-    use touchline_core::camera::BaseAngles;
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::testing::{SIZE, base_at};
     use touchline_documents::document::Click;
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at};
 
     #[test]
     fn check_clicks_alone_leave_the_base_of_the_document() {
-        const SIZE: ImageSize = ImageSize::new(1920, 1080);
-        let base = CameraBase::new(
-            Vec3::new(1.0, -62.0, 17.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        let mut document = document_with(&base, SIZE);
-        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-4.0, -14.0, 2300.0), None));
+        let base = base_at([1.0, -62.0, 17.0], SIZE);
+        let mut document = match_from(&base, SIZE);
+        let mut frame = new_frame("1.jpg", SIZE);
+        frame.ptz = ptz_at(-4.0, -14.0, 2300.0);
         let mut click = Click::landmark("centre_mark".into(), SIZE.centre());
         click.check = true;
         frame.clicks.push(click);

@@ -65,24 +65,20 @@ pub(super) fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
-    use touchline_core::camera::BaseAngles;
     use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::testing::base_at;
     use touchline_documents::document::Camera;
+    use touchline_documents::testing::match_from;
 
     const IMAGE_SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     fn base() -> CameraBase {
-        CameraBase::new(
-            Vec3::new(0.0, -62.0, 17.0),
-            BaseAngles::default().base_from_world(),
-            IMAGE_SIZE.centre(),
-        )
+        base_at([0.0, -62.0, 17.0], IMAGE_SIZE)
     }
 
     /// Two cameras that share the document's field.
     fn two_cameras() -> Document {
-        let mut document = document_with(&base(), IMAGE_SIZE);
+        let mut document = match_from(&base(), IMAGE_SIZE);
         document
             .cameras
             .push(Camera::new("second".into(), IMAGE_SIZE).into());

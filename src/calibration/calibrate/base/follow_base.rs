@@ -206,26 +206,22 @@ fn keeps_proposal(frame: &Frame) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
     use touchline_core::camera::{BaseAngles, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::geometry::Vec3;
+    use touchline_core::testing::{SIZE, base_at};
     use touchline_documents::document::{FramePtz, PaintEvidence};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at};
 
     /// A frame on a base 17 m high, and the same document with the base 2 m higher.
     fn raised(source: Option<SolutionSource>, status: FrameStatus) -> (Document, Document) {
         let base = |height_m: f64| {
             let position_m = Vec3::new(0.0, -62.0, height_m);
-            CameraBase::new(
-                position_m,
-                BaseAngles::default().base_from_world(),
-                SIZE.centre(),
-            )
+            base_at(position_m, SIZE)
         };
-        let mut document = document_with(&base(17.0), SIZE);
-        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -14.0, 2300.0), None));
+        let mut document = match_from(&base(17.0), SIZE);
+        let mut frame = new_frame("1.jpg", SIZE);
+        frame.ptz = ptz_at(5.0, -14.0, 2300.0);
         let line_check = Some(PaintEvidence {
             score: 0.99,
             ..PaintEvidence::default()
@@ -310,7 +306,7 @@ mod tests {
     #[test]
     fn a_frame_that_was_found_with_the_new_base_is_not_touched() {
         let (before, mut after) = raised(Some(SolutionSource::Markings), FrameStatus::Suggested);
-        after.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.2, -15.0, 2350.0), None));
+        after.frames[0].ptz = ptz_at(5.2, -15.0, 2350.0);
         let found = after.frames.clone();
         follow_all_bases(&mut after, &before);
         assert_eq!(after.frames, found);

@@ -244,29 +244,27 @@ mod tests {
     use super::*;
     use crate::calibrate::{BaseProblem, BaseReadiness, camera_alone};
     use std::ops::ControlFlow;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::geometry::ImageSize;
     use touchline_core::score::annotated_lines;
     use touchline_core::solve::base::BaseOptions;
-    use touchline_documents::document::{Click, FieldSpec, Target};
+    use touchline_core::testing::{TestBase, base_at, soccer};
+    use touchline_documents::document::{Click, Target};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
     /// Two pictures of different cameras with their lines, and one with a single line, of a stated
     /// principal point.
     fn three_pictures_about(principal_point: ImagePoint) -> (Document, Vec<PtzCamera>) {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let level = BaseAngles::default().base_from_world();
+        let field = soccer();
         let cameras = [
             ([2.0, -66.0, 16.0], (-28.0, -12.0, 2000.0)),
             ([-4.0, -80.0, 22.0], (24.0, -14.0, 2600.0)),
         ]
         .map(|(position_m, (pan_deg, tilt_deg, focal_px))| {
-            let base = CameraBase::new(Vec3::from(position_m), level, principal_point);
-            PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+            base_at(position_m, principal_point).aim(pan_deg, tilt_deg, focal_px)
         });
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         document.cameras.push(
             Camera {
                 principal_point,
@@ -275,7 +273,7 @@ mod tests {
             .into(),
         );
         for (number, camera) in cameras.iter().enumerate() {
-            let mut frame = Frame::from_image(&format!("{number}.jpg"), "main".into(), SIZE);
+            let mut frame = new_frame(&format!("{number}.jpg"), SIZE);
             for line in annotated_lines(&field, camera, SIZE) {
                 let id = field.lines[line.line].id.clone();
                 let click = |at| Click::new(Target::Line(id.clone()), at);
@@ -283,7 +281,7 @@ mod tests {
             }
             document.frames.push(frame.into());
         }
-        let mut little = Frame::from_image("little.jpg", "main".into(), SIZE);
+        let mut little = new_frame("little.jpg", SIZE);
         little.clicks = document.frames[0].clicks[..2].to_vec();
         document.frames.push(little.into());
         (document, cameras.to_vec())
@@ -342,7 +340,7 @@ mod tests {
     #[test]
     fn lines_without_a_base_give_the_camera_of_their_picture() {
         let (document, cameras) = three_pictures();
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         for (frame, truth) in document.frames.iter().zip(&cameras) {
             let camera = camera_alone(&document, frame, &field).unwrap();
             let centre = truth.plane_from_image(SIZE.centre(), 0.0).unwrap();
@@ -354,10 +352,9 @@ mod tests {
 
     #[test]
     fn frames_of_one_camera_with_lines_alone_give_its_base() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(3.0, -70.0, 17.0), level, SIZE.centre());
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let field = soccer();
+        let base = base_at([3.0, -70.0, 17.0], SIZE);
+        let mut document = soccer_document();
         let id = CameraId::from("main");
         document.cameras.push(Camera::new(id.clone(), SIZE).into());
         let mut wide = 0;
@@ -366,7 +363,7 @@ mod tests {
             (-2.0, -13.0, 1300.0),
             (27.0, -12.5, 1700.0),
         ] {
-            let camera = PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px));
+            let camera = base.aim(pan_deg, tilt_deg, focal_px);
             let name = format!("{}.jpg", document.frames.len());
             let mut frame = Frame::from_image(&name, id.clone(), SIZE);
             for line in annotated_lines(&field, &camera, SIZE) {

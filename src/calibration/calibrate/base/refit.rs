@@ -142,24 +142,20 @@ fn visible_ground(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
-    use touchline_core::camera::{BaseAngles, Radial};
+    use touchline_core::camera::Radial;
+    use touchline_core::testing::{SIZE, base_at};
     use touchline_documents::document::{FramePtz, Solution};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at};
 
     fn base(height_m: f64) -> CameraBase {
-        CameraBase::new(
-            Vec3::new(0.0, -62.0, height_m),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        )
+        base_at([0.0, -62.0, height_m], SIZE)
     }
 
     fn accepted() -> Document {
-        let mut document = document_with(&base(17.0), SIZE);
-        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -14.0, 2300.0), None));
+        let mut document = match_from(&base(17.0), SIZE);
+        let mut frame = new_frame("1.jpg", SIZE);
+        frame.ptz = ptz_at(5.0, -14.0, 2300.0);
         frame.solution = Some(Solution::default());
         document.frames.push(frame.into());
         document
@@ -231,7 +227,7 @@ mod tests {
     #[test]
     fn a_picture_of_the_sky_stays_as_it_is() {
         let mut before = accepted();
-        before.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, 30.0, 2300.0), None));
+        before.frames[0].ptz = ptz_at(5.0, 30.0, 2300.0);
         let mut after = before.clone();
         after.cameras[0].set_base(&base(18.0));
         refit(&mut after, 0, &before);

@@ -140,14 +140,11 @@ fn sees_field(pointed: &PtzCamera, size: ImageSize, field: &FieldModel) -> bool 
 mod tests {
     use super::*;
     use crate::calibrate::check_values;
-    use crate::calibrate::fixtures::document_with;
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, FocalCurve, Ptz};
-    use touchline_core::field::builtin;
     use touchline_core::geometry::Vec3;
-    use touchline_documents::document::FramePtz;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::{SIZE, TestBase, base_at, soccer};
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at};
 
     /// A document of one frame with this camera.
     fn document_of(
@@ -155,20 +152,9 @@ mod tests {
         (pan_deg, tilt_deg, focal_px): (f64, f64, f64),
         k1: f64,
     ) -> Document {
-        let base = CameraBase {
-            distortion: FocalCurve::constant(k1),
-            ..CameraBase::new(
-                position_m,
-                BaseAngles::default().base_from_world(),
-                SIZE.centre(),
-            )
-        };
-        let mut document = document_with(&base, SIZE);
-        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
-        frame.ptz = Some(FramePtz::new(
-            Ptz::from_degrees(pan_deg, tilt_deg, focal_px),
-            None,
-        ));
+        let mut document = match_from(&base_at(position_m, SIZE).bent(k1), SIZE);
+        let mut frame = new_frame("1.jpg", SIZE);
+        frame.ptz = ptz_at(pan_deg, tilt_deg, focal_px);
         document.frames.push(frame.into());
         document
     }
@@ -214,7 +200,7 @@ mod tests {
 
     #[test]
     fn one_camera_is_impossible_for_its_first_reason() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let (there, view) = (Vec3::new(0.0, -60.0, 18.0), (12.5, -11.2, 2410.0));
         let code = |position_m, view, k1| {
             let document = document_of(position_m, view, k1);

@@ -65,41 +65,29 @@ fn distance_of_clicks_px(document: &Document, frame: &Frame, field: &FieldModel)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
     use crate::calibrate::solve_document;
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImageSize, Vec3};
     use touchline_core::progress::Progress;
+    use touchline_core::testing::{SIZE, TestBase, base_at, landmark_in, soccer};
     use touchline_documents::document::Click;
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::new_frame;
 
     #[test]
     fn a_solution_of_another_base_is_named() {
-        let (size, field) = (
-            ImageSize::new(1920, 1080),
-            builtin("soccer").unwrap().default_model().unwrap(),
-        );
-        let upright = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(1.0, -62.0, 17.0), upright, size.centre());
-        let pointed = PtzCamera::new(base, Ptz::from_degrees(-4.0, -14.0, 2300.0));
-        let mut document = document_with(&base, size);
-        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+        let field = soccer();
+        let base = base_at([1.0, -62.0, 17.0], SIZE);
+        let pointed = base.aim(-4.0, -14.0, 2300.0);
+        let mut document = match_from(&base, SIZE);
+        let mut frame = new_frame("a.jpg", SIZE);
         for landmark in ["centre_mark", "halfway_far"] {
-            let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-            frame.clicks.push(Click::landmark(
-                landmark.into(),
-                pointed.image_from_world(world).unwrap(),
-            ));
+            let at = landmark_in(&pointed, &field, landmark);
+            frame.clicks.push(Click::landmark(landmark.into(), at));
         }
         document.frames.push(frame.into());
         solve_document(&mut document, Path::new(""), &Progress::default()).unwrap();
         assert_eq!(check_solutions(document.at(Path::new(""))), []);
-        document.cameras[0].set_base(&CameraBase::new(
-            Vec3::new(4.0, -62.0, 17.0),
-            upright,
-            size.centre(),
-        ));
+        document.cameras[0].set_base(&base_at([4.0, -62.0, 17.0], SIZE));
         let problems = check_solutions(document.at(Path::new("")));
         assert!(
             matches!(

@@ -83,25 +83,23 @@ fn read_reduced(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Clip, Frame, FramePtz, FrameStatus};
+    use touchline_core::camera::CameraBase;
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::base_at;
+    use touchline_documents::document::{Clip, FrameStatus};
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at};
 
     const SIZE: ImageSize = ImageSize::new(480, 270);
 
     fn base(image_size: ImageSize) -> CameraBase {
-        CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            image_size.centre(),
-        )
+        base_at([0.0, -60.0, 18.0], image_size)
     }
 
     /// A shot of four frames with one camera, whose pictures show stripes moved by these px.
     fn shot(folder: &Path, moved_px: [u32; 4]) -> Document {
-        let mut document = document_with(&base(SIZE), SIZE);
+        let mut document = match_from(&base(SIZE), SIZE);
         for (index, moved_px) in moved_px.into_iter().enumerate() {
             let name = format!("{index}.png");
             let stripes = |x: u32, y: u32| {
@@ -116,9 +114,9 @@ mod tests {
             image::RgbImage::from_fn(SIZE.width, SIZE.height, stripes)
                 .save(folder.join(&name))
                 .unwrap();
-            let mut frame = Frame::from_image(&name, "main".into(), SIZE);
+            let mut frame = new_frame(&name, SIZE);
             frame.clip = Some(Clip::Number(1));
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(3.0, -10.0, 600.0), None));
+            frame.ptz = ptz_at(3.0, -10.0, 600.0);
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
@@ -149,7 +147,7 @@ mod tests {
     #[test]
     fn a_run_is_three_frames_of_a_shot_with_one_camera() {
         const SIZE: ImageSize = ImageSize::new(1280, 720);
-        let mut document = document_with(&base(SIZE), SIZE);
+        let mut document = match_from(&base(SIZE), SIZE);
         let still = [
             (1, 2.0),
             (1, 2.0),
@@ -164,12 +162,9 @@ mod tests {
         ];
         for (number, (clip, pan_deg)) in still.into_iter().enumerate() {
             let name = format!("{number}.jpg");
-            let mut frame = Frame::from_image(&name, "main".into(), SIZE);
+            let mut frame = new_frame(&name, SIZE);
             frame.clip = Some(Clip::Number(clip));
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(pan_deg, -10.0, 1400.0),
-                None,
-            ));
+            frame.ptz = ptz_at(pan_deg, -10.0, 1400.0);
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }

@@ -379,10 +379,11 @@ fn check_solution(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
 mod tests {
     use super::*;
     use touchline_documents::document::Edited;
+    use touchline_documents::testing::new_frame;
 
     /// What is said of a frame that was worked on for so long.
     fn faults_of_seconds(seconds: f64) -> Vec<String> {
-        let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(64, 36));
+        let mut frame = new_frame("1.jpg", ImageSize::new(64, 36));
         frame.edited = Some(Edited {
             seconds: Some(seconds),
             ..Edited::default()

@@ -75,18 +75,13 @@ fn anchor_from_frame(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FramePtz, Solution};
+    use touchline_documents::testing::{answered_by, new_frame, ptz_at};
 
     fn frame(source: SolutionSource, confidence: Option<f64>, status: FrameStatus) -> Frame {
-        let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(1920, 1080));
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(3.0, -10.0, 2400.0), None));
-        frame.solution = Some(Solution {
-            source: Some(source),
-            confidence,
-            ..Solution::default()
-        });
+        let mut frame = new_frame("1.jpg", ImageSize::new(1920, 1080));
+        frame.ptz = ptz_at(3.0, -10.0, 2400.0);
+        frame.solution = answered_by(source, confidence);
         frame.status = status;
         frame
     }

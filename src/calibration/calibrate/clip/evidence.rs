@@ -174,13 +174,11 @@ pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
 mod tests {
     use super::*;
     use touchline_core::camera::CameraBase;
-    use touchline_core::field::builtin;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::{SIZE, soccer};
 
     #[test]
     fn paint_is_remembered_for_like_cameras_one_base_and_one_field() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let base = |x| {
             ClipCamera::new(CameraBase::new(
                 touchline_core::geometry::Vec3::new(x, -60.0, 18.0),

@@ -165,12 +165,13 @@ mod tests {
     use super::*;
     use std::path::Path;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, FieldSpec, Frame, VideoFrame};
+    use touchline_documents::document::{Document, VideoFrame};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     fn document(frames: &[(&str, Option<u64>)]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (path, index) in frames {
-            let mut frame = Frame::from_image(path, "main".into(), ImageSize::new(64, 36));
+            let mut frame = new_frame(path, ImageSize::new(64, 36));
             if let Some(index) = index {
                 frame.image = None;
                 frame.video = Some(VideoFrame::new(path, *index, None));

@@ -98,18 +98,18 @@ mod tests {
     use super::*;
     use crate::calibrate::clip_of_frame;
     use std::path::Path;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, FramePtz, Solution, VideoFrame};
+    use touchline_documents::document::{Solution, VideoFrame};
+    use touchline_documents::testing::{ptz_at, soccer_document};
 
     /// A video whose frames have these confidences; none is a frame without a camera.
     fn video(confidences: &[Option<f64>]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (index, confidence) in confidences.iter().enumerate() {
             let video = VideoFrame::new("match.mp4", index as u64, None);
             let mut frame = Frame::from_video(video, "main".into(), ImageSize::new(1280, 720));
             if confidence.is_some() {
-                frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 1500.0), None));
+                frame.ptz = ptz_at(0.0, -9.0, 1500.0);
                 frame.status = FrameStatus::Suggested;
                 frame.solution = Some(Solution {
                     confidence: *confidence,

@@ -95,13 +95,15 @@ impl Unmeasured {
 mod tests {
     use super::super::certainty::{TrackedOverlay, confidence};
     use super::*;
-    use crate::calibrate::fixtures::document_with;
     use crate::calibrate::take_length;
     use std::path::Path;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
+    use touchline_core::camera::{CameraBase, Ptz};
     use touchline_core::field::builtin;
     use touchline_core::geometry::Vec3;
-    use touchline_documents::document::{Document, FieldSize, Frame, FramePtz, FrameStatus};
+    use touchline_core::testing::base_at;
+    use touchline_documents::document::{Document, FieldSize, FramePtz, FrameStatus};
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::new_frame;
     use touchline_vision::media::Picture;
     use touchline_vision::synthetic::{FrameOptions, Stadium, StadiumOptions, stadium};
 
@@ -113,11 +115,7 @@ mod tests {
 
     /// The known base of a camera beside the middle of a pitch of 105 m.
     fn base() -> CameraBase {
-        CameraBase::new(
-            Vec3::new(1.0, -62.0, 17.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        )
+        base_at([1.0, -62.0, 17.0], SIZE)
     }
 
     fn pitch_of(length_m: f64) -> Stadium {
@@ -130,13 +128,13 @@ mod tests {
 
     /// A document with accepted frames at some pans, on a pitch of an assumed length.
     fn known_at(base: &CameraBase, pans_deg: &[f64], assumed_m: f64) -> Document {
-        let mut document = document_with(base, SIZE);
+        let mut document = match_from(base, SIZE);
         document
             .field
             .params
             .insert("length_m".to_owned(), assumed_m);
         for pan_deg in pans_deg {
-            let mut frame = Frame::from_image(&format!("{pan_deg}.png"), "main".into(), SIZE);
+            let mut frame = new_frame(&format!("{pan_deg}.png"), SIZE);
             frame.ptz = Some(FramePtz::new(look(*pan_deg), None));
             frame.status = FrameStatus::Reference;
             document.frames.push(frame.into());

@@ -201,14 +201,14 @@ pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_documents::document::{FieldSpec, FramePtz};
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document};
 
     #[test]
     fn a_rejected_frame_is_no_neighbour() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for pan_deg in [0.0, 1.0, 2.0] {
-            let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(64, 36));
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 90.0), None));
+            let mut frame = new_frame("1.jpg", ImageSize::new(64, 36));
+            frame.ptz = ptz_at(pan_deg, -9.0, 90.0);
             document.frames.push(frame.into());
         }
         assert_eq!(solved_neighbours(&document, 1).len(), 2);

@@ -97,29 +97,25 @@ fn stated_prior(
 
 #[cfg(test)]
 mod tests {
-    use crate::calibrate::fixtures::document_with;
     use crate::calibrate::{CalibrationError, FrameLookup, calibrate};
-    use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
-    use touchline_core::field::{FieldModel, builtin};
-    use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+    use touchline_core::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
+    use touchline_core::field::FieldModel;
+    use touchline_core::geometry::{ImagePoint, Mat3, Vec3};
     use touchline_core::solve::{FrameSolution, Uncertainty};
+    use touchline_core::testing::{SIZE, TestBase, base_at, landmark_in, soccer};
     use touchline_documents::document::{
-        Click, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
+        Click, Document, Frame, FrameStatus, Solution, SolutionSource,
     };
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::{new_frame, ptz_at};
 
     /// A frame whose proposal looks 2° too far right, and the camera that it should have been.
     fn slightly_wrong() -> (Document, PtzCamera) {
-        let base = CameraBase::new(
-            Vec3::new(0.0, -62.0, 17.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        let truth = PtzCamera::new(base, Ptz::from_degrees(-4.0, -14.0, 2300.0));
-        let mut document = document_with(&base, SIZE);
-        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(-2.0, -13.5, 2310.0), None));
+        let base = base_at([0.0, -62.0, 17.0], SIZE);
+        let truth = base.aim(-4.0, -14.0, 2300.0);
+        let mut document = match_from(&base, SIZE);
+        let mut frame = new_frame("1.jpg", SIZE);
+        frame.ptz = ptz_at(-2.0, -13.5, 2310.0);
         let source = Some(SolutionSource::Forest);
         frame.solution = Some(Solution {
             source,
@@ -145,7 +141,7 @@ mod tests {
     }
 
     fn proposal_under_clicks(source: SolutionSource) {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let (mut document, truth) = slightly_wrong();
         document.frames[0].solution.as_mut().unwrap().source = Some(source);
         let before = document.frames[0].proposed_camera().unwrap();
@@ -185,7 +181,7 @@ mod tests {
 
     #[test]
     fn an_imported_camera_is_a_prior_only_where_it_was_kept_as_one() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let (mut document, truth) = slightly_wrong();
         let frame = &mut document.frames[0];
         frame.solution.as_mut().unwrap().source = Some(SolutionSource::Import);
@@ -209,7 +205,7 @@ mod tests {
     /// What is stated of the worst corner after one click on the centre mark that is off from where
     /// the proposal has it.
     fn after_one_click(off_px: f64) -> (f64, f64, Ptz) {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let (mut document, _) = slightly_wrong();
         let camera = document.cameras[0].id.clone();
         let sigma = BaseSigma {
@@ -229,9 +225,7 @@ mod tests {
         let solution = document.frames[0].solution.as_mut().unwrap();
         solution.covariance = Some(stated.ptz_covariance_deg());
         solution.own_covariance = Some(stated.own_covariance_deg());
-        let at = proposed
-            .image_from_world(field.landmark_in_world(field.landmark("centre_mark").unwrap()))
-            .unwrap();
+        let at = landmark_in(&proposed, &field, "centre_mark");
         document.frames[0].clicks.push(Click::landmark(
             "centre_mark".into(),
             ImagePoint::new(at.x + off_px, at.y),

@@ -75,12 +75,11 @@ pub(crate) fn covariance_on_paint(camera: &PtzCamera, size: ImageSize) -> Mat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz};
-    use touchline_core::field::builtin;
+    use touchline_core::camera::{BaseSigma, CameraBase, Ptz};
     use touchline_core::geometry::Vec3;
-    use touchline_documents::document::{Click, Solution};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use touchline_core::testing::{SIZE, base_at, soccer};
+    use touchline_documents::document::Click;
+    use touchline_documents::testing::{new_frame, solved_by};
 
     fn camera() -> PtzCamera {
         let sigma = BaseSigma {
@@ -88,11 +87,7 @@ mod tests {
             ..BaseSigma::default()
         };
         let position_m = Vec3::new(0.0, -62.0, 17.0);
-        let base = CameraBase::new(
-            position_m,
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
+        let base = base_at(position_m, SIZE);
         PtzCamera::new(
             CameraBase { sigma, ..base },
             Ptz::from_degrees(3.0, -12.0, 2600.0),
@@ -100,11 +95,8 @@ mod tests {
     }
 
     fn frame(source: SolutionSource) -> Frame {
-        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
-        frame.solution = Some(Solution {
-            source: Some(source),
-            ..Solution::default()
-        });
+        let mut frame = new_frame("1.jpg", SIZE);
+        frame.solution = solved_by(source);
         frame
     }
 
@@ -131,7 +123,7 @@ mod tests {
 
     #[test]
     fn an_older_document_gives_what_its_clicks_say_else_a_floor_and_never_the_total() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let mut clicked = frame(SolutionSource::Clicks);
         for landmark in ["centre_mark", "halfway_far", "centre_circle_right"] {
             let at = field.landmark_in_world(field.landmark(landmark).unwrap());

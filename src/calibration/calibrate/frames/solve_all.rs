@@ -132,23 +132,20 @@ fn equations(frame: &Frame) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::{TestBase, base_at, soccer};
     use touchline_documents::document::{Click, FramePtz, Solution};
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::new_frame;
 
     #[test]
     fn decided_cameras_are_replaced_only_on_request() {
-        let (size, field) = (
-            ImageSize::new(1280, 720),
-            builtin("soccer").unwrap().default_model().unwrap(),
-        );
-        let upright = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -66.0, 18.0), upright, size.centre());
-        let shown = PtzCamera::new(base, Ptz::from_degrees(2.0, -14.0, 1300.0));
+        let (size, field) = (ImageSize::new(1280, 720), soccer());
+        let base = base_at([0.0, -66.0, 18.0], size);
+        let shown = base.aim(2.0, -14.0, 1300.0);
         let set = Ptz::from_degrees(3.0, -15.0, 1400.0);
-        let mut document = document_with(&base, size);
+        let mut document = match_from(&base, size);
         for (number, (status, source)) in [
             (FrameStatus::Reference, Some(SolutionSource::Clicks)),
             (FrameStatus::Draft, Some(SolutionSource::Manual)),
@@ -160,7 +157,7 @@ mod tests {
         .into_iter()
         .enumerate()
         {
-            let mut frame = Frame::from_image(&number.to_string(), "main".into(), size);
+            let mut frame = new_frame(&number.to_string(), size);
             for name in ["centre_mark", "halfway_near", "halfway_far"] {
                 let landmark = field.landmark(name).unwrap();
                 let at = shown.image_from_world(field.world_from_nominal(landmark.nominal_m));

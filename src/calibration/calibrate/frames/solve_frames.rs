@@ -180,24 +180,20 @@ pub(super) fn record_if_solved(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
     use std::ops::ControlFlow;
     use std::sync::atomic::{AtomicUsize, Ordering};
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::{TestBase, base_at, soccer};
     use touchline_documents::document::Click;
+    use touchline_documents::testing::match_from;
+    use touchline_documents::testing::new_frame;
 
     /// So many frames, each with four exact points.
     fn clicked(frames: usize) -> (Document, FieldModel) {
-        let (size, field) = (
-            ImageSize::new(1280, 720),
-            builtin("soccer").unwrap().default_model().unwrap(),
-        );
-        let upright = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -66.0, 18.0), upright, size.centre());
-        let pointed = PtzCamera::new(base, Ptz::from_degrees(-30.0, -12.0, 1500.0));
-        let mut document = document_with(&base, size);
+        let (size, field) = (ImageSize::new(1280, 720), soccer());
+        let base = base_at([0.0, -66.0, 18.0], size);
+        let pointed = base.aim(-30.0, -12.0, 1500.0);
+        let mut document = match_from(&base, size);
         let seen = field.landmarks.iter().filter_map(|landmark| {
             let image = pointed
                 .image_from_world(field.landmark_in_world(landmark))
@@ -207,7 +203,7 @@ mod tests {
         });
         let clicks: Vec<Click> = seen.take(4).collect();
         for index in 0..frames {
-            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            let mut frame = new_frame(&format!("{index}.jpg"), size);
             frame.clicks.clone_from(&clicks);
             document.frames.push(frame.into());
         }

@@ -300,12 +300,13 @@ fn corner_distance_px(one: &PtzCamera, other: &PtzCamera, corner: ImagePoint) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::field::builtin;
-    use touchline_documents::document::{Click, FieldSpec};
+    use touchline_core::testing::soccer;
+    use touchline_documents::document::Click;
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     /// A frame with clicks on these landmarks, at these x.
     fn frame_with(clicks: &[(&str, f64)]) -> Frame {
-        let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(1920, 1080));
+        let mut frame = new_frame("1.jpg", ImageSize::new(1920, 1080));
         for (name, x) in clicks {
             let click = Click::landmark((*name).into(), ImagePoint::new(*x, 500.0));
             frame.clicks.push(click);
@@ -315,8 +316,8 @@ mod tests {
 
     #[test]
     fn a_landmark_that_is_clicked_twice_counts_once() {
-        let document = Document::new(FieldSpec::new("soccer"));
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let document = soccer_document();
+        let field = soccer();
         let one = frame_with(&[("centre_mark", 900.0), ("centre_mark", 1200.0)]);
         let other = frame_with(&[
             ("centre_mark", 902.0),

@@ -259,16 +259,13 @@ fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::field::builtin;
+    use touchline_core::testing::{TestBase, base_at, soccer};
 
     #[test]
     fn a_click_where_the_estimate_sees_no_ground_is_infinitely_far_off() {
         let size = ImageSize::new(1280, 720);
-        let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, size.centre());
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, 60.0, 1500.0));
+        let field = soccer();
+        let camera = base_at([0.0, -60.0, 15.0], size).aim(0.0, 60.0, 1500.0);
         let sky = FieldView {
             field: &field,
             camera: &camera,

@@ -110,20 +110,11 @@ pub(super) fn mirror(camera: &PtzCamera) -> PtzCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::BaseAngles;
-    use touchline_core::geometry::{Angle, ImagePoint};
+    use touchline_core::geometry::ImagePoint;
+    use touchline_core::testing::{SIZE, TestBase, turned_base};
 
     fn camera() -> PtzCamera {
-        let lean = BaseAngles {
-            roll: Angle::from_degrees(0.7),
-            ..BaseAngles::default()
-        };
-        let base = CameraBase::new(
-            Vec3::new(3.0, -62.0, 17.0),
-            lean.base_from_world(),
-            ImagePoint::new(960.0, 540.0),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(14.0, -11.0, 2400.0))
+        turned_base([3.0, -62.0, 17.0], [0.0, 0.0, 0.7], SIZE).aim(14.0, -11.0, 2400.0)
     }
 
     #[test]

@@ -299,26 +299,21 @@ fn number(frame: &Frame) -> Option<(&str, i64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::FieldSpec;
+    use touchline_core::camera::Ptz;
+    use touchline_core::testing::{SIZE, base_at};
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     #[test]
     fn a_cut_is_no_motion_of_the_camera() {
-        let size = ImageSize::new(1920, 1080);
-        let base = CameraBase::new(
-            Vec3::new(2.0, -70.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            size.centre(),
-        );
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let base = base_at([2.0, -70.0, 18.0], SIZE);
+        let mut document = soccer_document();
         let mut given = Vec::new();
         for number in 0..12 {
             // The second shot begins at another end of the field.
             let pan_deg = 0.2 * f64::from(number) + if number < 6 { 0.0 } else { 20.0 };
             let ptz = Ptz::from_degrees(pan_deg, -12.0, 2500.0);
             given.push(GivenCamera::Possible(Box::new(PtzCamera::new(base, ptz))));
-            let frame = Frame::from_image(&format!("{number}.jpg"), "main".into(), size);
+            let frame = new_frame(&format!("{number}.jpg"), SIZE);
             document.frames.push(frame.into());
         }
         let shots = Shots::new(&document, vec![6], &given).unwrap();

@@ -255,29 +255,27 @@ fn stands_at_one_of(places: &[SharedPlace], camera: &PtzCamera) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::BaseAngles;
     use touchline_core::geometry::Vec3;
-    use touchline_documents::document::{FieldSpec, Frame};
+    use touchline_core::testing::{SIZE, base_at};
+    use touchline_documents::document::Frame;
+    use touchline_documents::testing::soccer_document;
 
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
     const MAIN_M: Vec3 = Vec3::new(2.0, -70.0, 18.0);
     const BESIDE_M: Vec3 = Vec3::new(-36.0, -62.0, 16.0);
 
     /// A camera 1 cm or so beside a place, by its number.
     fn near(place_m: Vec3, number: usize) -> GivenCamera {
         let off_m = 0.01 * (number % 3) as f64;
-        let base = CameraBase::new(
-            place_m.add_scalar(off_m),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
         let ptz = Ptz::from_degrees(0.2 * number as f64, -12.0, 2500.0);
-        GivenCamera::Possible(Box::new(PtzCamera::new(base, ptz)))
+        GivenCamera::Possible(Box::new(PtzCamera::new(
+            base_at(place_m.add_scalar(off_m), SIZE),
+            ptz,
+        )))
     }
 
     /// A document whose frames have these cameras.
     fn document(given: &[GivenCamera]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (number, given) in given.iter().enumerate() {
             let id = CameraId::from(format!("main-{number}").as_str());
             let mut camera = Camera::new(id.clone(), SIZE);

@@ -70,14 +70,15 @@ impl QueryOrder {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Clip, FieldSpec, Frame};
+    use touchline_documents::document::Clip;
+    use touchline_documents::testing::{new_frame, soccer_document};
 
     /// Shots of some lengths, one after the other.
     fn document(lengths: &[usize]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (shot, &length) in lengths.iter().enumerate() {
             for _ in 0..length {
-                let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+                let mut frame = new_frame("a.jpg", ImageSize::new(64, 36));
                 frame.clip = Some(Clip::Number(shot as i64));
                 document.frames.push(frame.into());
             }
@@ -117,7 +118,7 @@ mod tests {
             QueryOrder::default()
         );
         assert_eq!(
-            QueryOrder::new(&Document::new(FieldSpec::new("soccer")), 7, |_| true),
+            QueryOrder::new(&soccer_document(), 7, |_| true),
             QueryOrder::default()
         );
     }

@@ -284,23 +284,18 @@ fn milliseconds(time: Duration) -> f64 {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Camera, FieldSpec, FrameStatus};
+    use touchline_documents::document::FrameStatus;
+    use touchline_documents::testing::{a_match, answered_by, new_frame};
 
     /// A document of one frame with a camera of this confidence from a source.
     fn answered(source: SolutionSource, confidence: f64) -> Document {
         let size = ImageSize::new(640, 360);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
-        let mut frame = Frame::from_image("a.png", "main".into(), size);
+
+        let mut document = a_match(size);
+        let mut frame = new_frame("a.png", size);
         frame.status = FrameStatus::Suggested;
         frame.ptz = Some(Answer::at_pan(1.0, confidence).ptz);
-        frame.solution = Some(Solution {
-            source: Some(source),
-            confidence: Some(confidence),
-            ..Solution::default()
-        });
+        frame.solution = answered_by(source, Some(confidence));
         document.frames.push(frame.into());
         document
     }

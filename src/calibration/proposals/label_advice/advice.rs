@@ -149,11 +149,11 @@ fn gain_of_label(at: i64, weights: &[(i64, f64)], view_deg: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::proposals::CoverageCell;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{
-        Clip, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
+        Clip, FrameStatus, Solution, SolutionSource, SolutionWarning,
     };
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document};
     use touchline_vision::relocalize::CERTAIN;
 
     const SURELY: f64 = 0.99;
@@ -164,9 +164,9 @@ mod tests {
     /// Frames of shots: solved at a pan with a confidence, or without an answer. Views are 20°
     /// wide.
     fn document(frames: &[(i64, Answer)]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for &(clip, answer) in frames {
-            let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(1280, 720));
+            let mut frame = new_frame("x.jpg", ImageSize::new(1280, 720));
             frame.clip = Some(Clip::Number(clip));
             let mut solution = Solution {
                 source: Some(SolutionSource::Forest),
@@ -174,10 +174,7 @@ mod tests {
             };
             match answer {
                 Some((pan_deg, confidence)) => {
-                    frame.ptz = Some(FramePtz::new(
-                        Ptz::from_degrees(pan_deg, -9.0, 3630.0),
-                        None,
-                    ));
+                    frame.ptz = ptz_at(pan_deg, -9.0, 3630.0);
                     frame.status = FrameStatus::Suggested;
                     solution.confidence = Some(confidence);
                 }

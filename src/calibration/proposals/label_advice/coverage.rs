@@ -249,40 +249,28 @@ fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, Ptz};
-    use touchline_core::field::builtin;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Camera, FieldSpec, FramePtz};
+    use touchline_core::testing::{soccer, turned_base};
+    use touchline_documents::testing::{match_from, new_frame, ptz_at};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     /// Frames with these pans.
     fn document(pans_deg: &[f64]) -> Document {
-        let down = BaseAngles {
-            pitch: Angle::from_degrees(-2.0),
-            ..BaseAngles::default()
-        };
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut main = Camera::new("main".into(), SIZE);
-        main.set_base(&CameraBase::new(
-            Vec3::new(0.0, -66.0, 18.0),
-            down.base_from_world(),
-            SIZE.centre(),
-        ));
-        document.cameras.push(main.into());
+        let mut document = match_from(
+            &turned_base([0.0, -66.0, 18.0], [0.0, -2.0, 0.0], SIZE),
+            SIZE,
+        );
         for pan_deg in pans_deg {
-            let mut frame = Frame::from_image("a.jpg", "main".into(), SIZE);
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(*pan_deg, -10.0, 1800.0),
-                None,
-            ));
+            let mut frame = new_frame("a.jpg", SIZE);
+            frame.ptz = ptz_at(*pan_deg, -10.0, 1800.0);
             document.frames.push(frame.into());
         }
         document
     }
 
     fn coverage(document: &Document, training_frames: &[usize]) -> Coverage {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         Coverage::measure(document, &field, &"main".into(), training_frames).unwrap()
     }
 

@@ -263,19 +263,15 @@ fn doubt(frame: &Frame) -> Option<f64> {
 mod tests {
     use super::super::needing_frames::Direction;
     use super::*;
-    use touchline_core::camera::Ptz;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, FramePtz, Solution, SolutionSource};
+    use touchline_documents::document::{Solution, SolutionSource};
+    use touchline_documents::testing::{new_frame, ptz_at, soccer_document, solved_by};
 
     /// Frames of two shots without an answer, and one solved frame in each.
     fn document() -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in 0..24 {
-            let mut frame = Frame::from_image(
-                &format!("{index}.jpg"),
-                "main".into(),
-                ImageSize::new(1280, 720),
-            );
+            let mut frame = new_frame(&format!("{index}.jpg"), ImageSize::new(1280, 720));
             frame.clip = Some(Clip::Number(index / 12));
             match index % 12 {
                 4 => solve(&mut frame, index as f64),
@@ -288,19 +284,13 @@ mod tests {
 
     fn solve(frame: &mut Frame, pan_deg: f64) {
         frame.status = FrameStatus::Reference;
-        frame.ptz = Some(FramePtz::new(
-            Ptz::from_degrees(pan_deg, -9.0, 3630.0),
-            None,
-        ));
+        frame.ptz = ptz_at(pan_deg, -9.0, 3630.0);
         frame.solution = None;
     }
 
     fn ask_in_vain(frame: &mut Frame) {
         (frame.status, frame.ptz) = (FrameStatus::New, None);
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Forest),
-            ..Solution::default()
-        });
+        frame.solution = solved_by(SolutionSource::Forest);
     }
 
     /// All results, without the edition.

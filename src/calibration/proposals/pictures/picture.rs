@@ -162,7 +162,8 @@ pub(super) fn check_size(
 mod tests {
     use super::*;
     use std::ops::ControlFlow;
-    use touchline_documents::document::{Camera, Document, FieldSpec};
+    use touchline_documents::document::Document;
+    use touchline_documents::testing::{a_match, new_frame};
     use touchline_vision::media::FrameReader;
 
     const SIZE: ImageSize = ImageSize::new(6, 4);
@@ -170,10 +171,7 @@ mod tests {
     /// Four frames: without a picture, with one, with one of another size, with one that is
     /// missing.
     fn document(folder: &Path) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
+        let mut document = a_match(SIZE);
         image::RgbImage::new(SIZE.width, SIZE.height)
             .save(folder.join("right.png"))
             .unwrap();
@@ -181,9 +179,7 @@ mod tests {
             .save(folder.join("other.png"))
             .unwrap();
         for name in ["none.png", "right.png", "other.png", "missing.png"] {
-            document
-                .frames
-                .push(Frame::from_image(name, "main".into(), SIZE).into());
+            document.frames.push(new_frame(name, SIZE).into());
         }
         document.frames[0].image = None;
         document

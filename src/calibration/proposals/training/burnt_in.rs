@@ -215,24 +215,21 @@ pub(super) fn with_found_masks(mut document: Document, found: &[FoundMask]) -> D
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, Frame, VideoFrame};
+    use touchline_core::testing::pixel_box;
+    use touchline_documents::document::{Frame, VideoFrame};
+    use touchline_documents::testing::soccer_document;
 
     #[test]
     fn a_range_ends_at_frames_of_the_same_video_alone() {
         let size = ImageSize::new(64, 36);
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (path, number) in [("a.mp4", 5), ("a.mp4", 9), ("b.mp4", 2), ("b.mp4", 7)] {
             let video = VideoFrame::new(path, number, None);
             let frame = Frame::from_video(video, "main".into(), size);
             document.frames.push(frame.into());
         }
         let camera = Camera::new("main".into(), size);
-        let pixel_box = PixelBox {
-            x: 1.0,
-            y: 1.0,
-            width: 9.0,
-            height: 9.0,
-        };
+        let pixel_box = pixel_box(1.0, 1.0, 9.0, 9.0);
         for (without, frames, range) in [
             ([Some(0), None], [1, 1], (Some(6), None)),
             ([None, Some(3)], [2, 2], (None, Some(6))),

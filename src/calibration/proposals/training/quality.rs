@@ -387,23 +387,14 @@ pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{BaseAngles, CameraBase};
-    use touchline_core::geometry::Vec3;
-    use touchline_documents::document::{FieldSpec, VideoFrame};
+    use touchline_core::testing::{TestBase, base_at};
+    use touchline_documents::document::VideoFrame;
+    use touchline_documents::testing::{WithFrames, a_match};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     fn document(frames: usize) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
-        for index in 0..frames {
-            document
-                .frames
-                .push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
-        }
-        document
+        a_match(SIZE).with_numbered(frames, SIZE)
     }
 
     fn left_out(document: &Document) -> (LeftOutBy, Vec<Vec<usize>>) {
@@ -457,10 +448,8 @@ mod tests {
 
     #[test]
     fn the_error_of_an_overlay_is_that_of_its_worst_place() {
-        let down = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), down, SIZE.centre());
         let camera =
-            |pan_deg, focal_px| PtzCamera::new(base, Ptz::from_degrees(pan_deg, -10.0, focal_px));
+            |pan_deg, focal_px| base_at([0.0, -60.0, 18.0], SIZE).aim(pan_deg, -10.0, focal_px);
         let truth = camera(5.0, 1280.0);
         assert!(overlay_error_px(&truth, &truth, SIZE) < 1e-6);
         // One per cent of focal length moves the corners by one per cent of their distance from the

@@ -80,22 +80,19 @@ impl TrainingSet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::{Ptz, Radial};
-    use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
-    use touchline_documents::document::{Camera, FieldSpec, Frame, FrameLens, FramePtz};
+    use touchline_core::camera::Radial;
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_core::testing::pixel_box;
+    use touchline_documents::document::FrameLens;
+    use touchline_documents::testing::{a_match, new_frame, ptz_at};
 
     fn document() -> Document {
         let size = ImageSize::new(640, 360);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
+
+        let mut document = a_match(size);
         for index in 0..3 {
-            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
-            frame.ptz = Some(FramePtz::new(
-                Ptz::from_degrees(f64::from(index), -9.0, 900.0),
-                None,
-            ));
+            let mut frame = new_frame(&format!("{index}.jpg"), size);
+            frame.ptz = ptz_at(f64::from(index), -9.0, 900.0);
             document.frames.push(frame.into());
         }
         document
@@ -119,20 +116,12 @@ mod tests {
         let changes: [fn(&mut Document); 5] = [
             |document| document.frames[0].ptz.as_mut().unwrap().pan_deg += 1e-9,
             |document| {
-                document.frames[0].masks.push(PixelBox {
-                    x: 1.0,
-                    y: 1.0,
-                    width: 9.0,
-                    height: 9.0,
-                });
+                document.frames[0].masks.push(pixel_box(1.0, 1.0, 9.0, 9.0));
             },
             |document| {
-                document.cameras[0].masks.push(PixelBox {
-                    x: 1.0,
-                    y: 1.0,
-                    width: 9.0,
-                    height: 9.0,
-                });
+                document.cameras[0]
+                    .masks
+                    .push(pixel_box(1.0, 1.0, 9.0, 9.0));
             },
             |document| document.frames[0].sha256 = Some("ab".to_owned()),
             |document| {

@@ -172,11 +172,12 @@ const _: () = assert!(ROTATION == 3 && K1 == 5);
 mod tests {
     use super::super::parameters::{OF_BASE, OF_BASE_AND_SIZE};
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve};
+    use crate::camera::{CameraBase, FocalCurve};
     use crate::field::{FieldModel, builtin};
-    use crate::geometry::{Angle, ImagePoint};
+    use crate::geometry::ImagePoint;
     use crate::solve::check_derivatives;
     use crate::solve::refine;
+    use crate::testing::turned_base;
     use nalgebra::SVector;
     use std::collections::BTreeMap;
 
@@ -189,11 +190,6 @@ mod tests {
     }
 
     fn base() -> CameraBase {
-        let angles = BaseAngles {
-            roll: Angle::from_degrees(0.7),
-            pitch: Angle::from_degrees(-1.0),
-            ..BaseAngles::default()
-        };
         CameraBase {
             distortion: FocalCurve {
                 at_focal_px: 2000.0,
@@ -201,9 +197,9 @@ mod tests {
                 per_1000_px: 0.2,
                 k2_per_k1_squared: 1.5,
             },
-            ..CameraBase::new(
-                Vec3::new(3.0, -62.0, 17.0),
-                angles.base_from_world(),
+            ..turned_base(
+                [3.0, -62.0, 17.0],
+                [0.0, -1.0, 0.7],
                 ImagePoint::new(955.0, 543.0),
             )
         }

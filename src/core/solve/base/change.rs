@@ -392,16 +392,16 @@ impl DisplacedBase {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{FieldElement, builtin};
-    use crate::geometry::{ImageSize, Vec2, Vec3};
+    use crate::field::FieldElement;
+    use crate::geometry::{Vec2, Vec3};
     use crate::markings::project_landmarks;
     use crate::solve::fixtures;
+    use crate::testing::{SIZE, soccer};
 
     /// A frame with exact clicks on all landmarks that it shows.
     fn frame(field: &FieldModel, base: &CameraBase, pan_deg: f64) -> InformativeFrame {
         let ptz = Ptz::from_degrees(pan_deg, -12.0, 1800.0);
-        let size = ImageSize::new(1920, 1080);
-        let shown = project_landmarks(field, &PtzCamera::new(*base, ptz), size, 0.0);
+        let shown = project_landmarks(field, &PtzCamera::new(*base, ptz), SIZE, 0.0);
         let clicks = shown.iter().enumerate().map(|(number, shown)| {
             Observation::from_point(Vec3::zeros(), shown.image, 2.0, number)
                 .with_element(field, FieldElement::Landmark(shown.landmark))
@@ -415,7 +415,7 @@ mod tests {
     }
 
     fn sigma_with(kept: &BaseSigma) -> BaseSigma {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let base = CameraBase {
             sigma: *kept,
             ..fixtures::base()

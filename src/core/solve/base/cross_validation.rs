@@ -375,10 +375,11 @@ mod tests {
     use super::*;
     use crate::geometry::Vec3;
     use crate::solve::fixtures::base;
+    use crate::testing::TestBase;
 
     #[test]
     fn a_click_without_an_image_counts_as_infinitely_far() {
-        let camera = PtzCamera::new(base(), Ptz::from_degrees(0.0, -12.0, 2300.0));
+        let camera = base().aim(0.0, -12.0, 2300.0);
         let seen = Vec3::new(3.0, 5.0, 0.0);
         let image = camera.image_from_world(seen).unwrap();
         // The second one lies behind the camera.

@@ -345,10 +345,11 @@ fn click_with_sizes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, PtzCamera};
+    use crate::camera::PtzCamera;
     use crate::field::builtin;
     use crate::geometry::ImageSize;
     use crate::solve::base::{CrownModel, LensModel};
+    use crate::testing::base_at;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -361,11 +362,7 @@ mod tests {
     fn sizes_beside(pans_deg: &[f64], without_camera_deg: &[f64]) -> Vec<FittedSize> {
         let template = builtin("soccer").unwrap();
         let field = template.default_model().unwrap();
-        let base = CameraBase::new(
-            Vec3::new(-8.0, -64.0, 17.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
+        let base = base_at([-8.0, -64.0, 17.0], SIZE);
         let mut ptz: Vec<Option<Ptz>> = pans_deg
             .iter()
             .chain(without_camera_deg)

@@ -346,6 +346,7 @@ fn pan_axis(cameras: &[&PtzCamera]) -> Option<Vec3> {
 mod tests {
     use super::*;
     use crate::camera::{BaseAngles, Ptz};
+    use crate::testing::{SIZE, TestBase, base_at, turned_base};
     use rand::{RngExt as _, SeedableRng as _};
     use rand_distr::StandardNormal;
     use rand_pcg::Pcg64Mcg;
@@ -384,12 +385,7 @@ mod tests {
     /// A camera under the ground, or a kilometre away.
     fn absurd(index: usize) -> PtzCamera {
         let far = 150.0 * (index as f64 + 1.0);
-        let base = CameraBase::new(
-            Vec3::new(far, -far, -3.0),
-            BaseAngles::default().base_from_world(),
-            ImagePoint::new(960.0, 540.0),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(0.0, -10.0, 3e6))
+        base_at([far, -far, -3.0], SIZE).aim(0.0, -10.0, 3e6)
     }
 
     #[test]
@@ -429,13 +425,8 @@ mod tests {
 
     #[test]
     fn exact_cameras_give_their_exact_base() {
-        let lean = BaseAngles {
-            pitch: Angle::from_degrees(-0.3),
-            roll: Angle::from_degrees(0.2),
-            ..BaseAngles::default()
-        };
-        let base = CameraBase::new(PLACE, lean.base_from_world(), ImagePoint::new(960.0, 540.0));
-        let at = |pan| PtzCamera::new(base, Ptz::from_degrees(pan, -11.0, 2800.0));
+        let base = turned_base(PLACE, [0.0, -0.3, 0.2], SIZE);
+        let at = |pan| base.aim(pan, -11.0, 2800.0);
         let cameras: Vec<PtzCamera> = (-20..=20).map(|pan| at(f64::from(pan))).collect();
         let places = shared_places(&cameras);
         let found = &places[0].base;
@@ -453,10 +444,9 @@ mod tests {
             per_1000_px: 0.2,
             k2_per_k1_squared: 2.0,
         };
-        let level = BaseAngles::default().base_from_world();
         let base = CameraBase {
             distortion: lens,
-            ..CameraBase::new(PLACE, level, ImagePoint::new(960.0, 540.0))
+            ..base_at(PLACE, SIZE)
         };
         let at = |step: i32| {
             let ptz = Ptz::from_degrees(f64::from(step), -11.0, 2500.0 + 40.0 * f64::from(step));
@@ -485,22 +475,15 @@ mod tests {
                     };
                     let base = CameraBase {
                         distortion: lens,
-                        ..CameraBase::new(
-                            PLACE,
-                            BaseAngles::default().base_from_world(),
-                            ImagePoint::new(960.0, 540.0),
-                        )
+                        ..base_at(PLACE, SIZE)
                     };
                     let focal_px = 3000.0 + focal_noise_px * normal();
-                    PtzCamera::new(
-                        base,
-                        Ptz::from_degrees(f64::from(step) / 5.0, -11.0, focal_px),
-                    )
+                    base.aim(f64::from(step) / 5.0, -11.0, focal_px)
                 };
                 let mut cameras: Vec<PtzCamera> = (-50..50).map(&mut one).collect();
                 // One camera of another focal length is no line.
                 let mut far = one(3);
-                far = PtzCamera::new(*far.base(), Ptz::from_degrees(0.0, -11.0, 5000.0));
+                far = far.base().aim(0.0, -11.0, 5000.0);
                 cameras.push(far);
                 let base = shared_places(&cameras)[0].base;
                 let lens = base.distortion;

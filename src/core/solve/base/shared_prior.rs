@@ -186,18 +186,14 @@ pub(super) fn near(
 mod tests {
     use super::super::parameters::{OF_BASE_AND_SIZE, SIZES};
     use super::*;
-    use crate::camera::{BaseAngles, FocalCurve};
+    use crate::camera::FocalCurve;
     use crate::field::Crown;
     use crate::geometry::rotation::from_rotation_vector;
     use crate::solve::check_derivatives;
+    use crate::testing::turned_base;
 
     #[test]
     fn each_changes_with_the_parameters_as_its_jacobian_says() {
-        let angles = BaseAngles {
-            roll: Angle::from_degrees(2.0),
-            pitch: Angle::from_degrees(-3.0),
-            ..BaseAngles::default()
-        };
         let base = CameraBase {
             distortion: FocalCurve {
                 at_focal_px: 2000.0,
@@ -205,9 +201,9 @@ mod tests {
                 per_1000_px: 0.2,
                 ..FocalCurve::NONE
             },
-            ..CameraBase::new(
-                Vec3::new(3.0, -62.0, 17.0),
-                angles.base_from_world(),
+            ..turned_base(
+                [3.0, -62.0, 17.0],
+                [0.0, -3.0, 2.0],
                 ImagePoint::new(955.0, 543.0),
             )
         };

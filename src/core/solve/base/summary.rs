@@ -222,13 +222,11 @@ pub(super) fn distances(
 mod tests {
     use super::*;
     use crate::camera::BaseSigma;
-    use crate::field::builtin;
     use crate::geometry::Vec3;
     use crate::solve::Observation;
     use crate::solve::base::{CrownModel, LensModel};
     use crate::solve::fixtures;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use crate::testing::{SIZE, soccer};
 
     fn ptz() -> Ptz {
         Ptz::from_degrees(0.0, -12.0, 1500.0)
@@ -272,7 +270,7 @@ mod tests {
             reason: ModelReason::Prescribed,
             scores: Vec::new(),
         };
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let frames = [frame(base, &SEEN, 0)];
         summary(fit, &field, &frames, &[Some(ptz())], SIZE)
     }

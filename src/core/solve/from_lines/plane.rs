@@ -116,9 +116,9 @@ fn split(pose: &PlanePose, principal_point: ImagePoint) -> (CameraBase, Ptz) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::PtzCamera;
     use crate::field::builtin;
     use crate::solve::Observation;
+    use crate::testing::{TestBase, base_at};
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
@@ -128,12 +128,8 @@ mod tests {
             .unwrap()
             .model(&std::collections::BTreeMap::new(), 0.0)
             .unwrap();
-        let base = CameraBase::new(
-            Vec3::new(5.0, -70.0, 21.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        );
-        let truth = PtzCamera::new(base, Ptz::from_degrees(31.0, -14.0, 1400.0));
+        let base = base_at([5.0, -70.0, 21.0], SIZE);
+        let truth = base.aim(31.0, -14.0, 1400.0);
         let on_lines = |names: &[&str]| {
             let mut observations = Vec::new();
             for name in names {

@@ -179,15 +179,15 @@ impl Residual<1, OF_BASE, 3> for FocalPrior {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::builtin;
     use crate::solve::base::parameters::Shared;
     use crate::solve::check_derivatives;
     use crate::solve::fixtures::base;
     use crate::solve::refine;
+    use crate::testing::soccer;
 
     #[test]
     fn each_prior_changes_with_the_parameters_as_its_jacobian_says() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let priors = PicturePriors::default();
         let shared = Shared::new(&base(), field.crown());
         let place = priors.place(&field);
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn an_unusual_place_costs_more_and_none_is_forbidden() {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let place = PicturePriors::default().place(&field);
         let costs = [
             [0.0, -65.0, 15.5],

@@ -1,12 +1,12 @@
 //! Cameras from lines that were drawn exactly, and from lines that give none.
 
 use super::*;
-use crate::camera::{BaseAngles, FocalCurve};
 use crate::field::{Curve, Symmetry, builtin};
 use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
 use crate::markings::{MarkingOptions, project_lines};
 use crate::solve::observations::drawn_line::DrawnLine;
 use crate::solve::{IdentityKind, ObservedShape};
+use crate::testing::{TestBase, turned_base};
 
 const SIZE: ImageSize = ImageSize::new(960, 540);
 
@@ -21,20 +21,15 @@ fn soccer() -> FieldModel {
 fn looking_at(position_m: [f64; 3], at_m: [f64; 2], focal_px: f64) -> PtzCamera {
     let position_m = Vec3::from(position_m);
     let along = Vec3::new(at_m[0], at_m[1], 0.0) - position_m;
-    let angles = BaseAngles {
-        roll: Angle::from_degrees(0.3),
-        ..BaseAngles::default()
-    };
-    let base = CameraBase {
-        distortion: FocalCurve::constant(0.1),
-        ..CameraBase::new(position_m, angles.base_from_world(), SIZE.centre())
-    };
     let ptz = Ptz {
         pan: Angle::from_radians(along.x.atan2(along.y)),
         tilt: Angle::from_radians(along.z.atan2(along.xy().norm())),
         focal_px,
     };
-    PtzCamera::new(base, ptz)
+    PtzCamera::new(
+        turned_base(position_m, [0.0, 0.0, 0.3], SIZE).bent(0.1),
+        ptz,
+    )
 }
 
 /// What an exact annotator draws: the ends of every straight line that the picture shows for some

@@ -103,22 +103,11 @@ pub fn pan_tilt_from_one_point(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, FocalCurve};
+    use crate::testing::{SIZE, TestBase, turned_base};
     use proptest::prelude::*;
 
     fn base(k1: f64) -> CameraBase {
-        CameraBase {
-            distortion: FocalCurve::constant(k1),
-            ..CameraBase::new(
-                Vec3::new(2.0, -60.0, 18.0),
-                BaseAngles {
-                    pitch: Angle::from_degrees(1.0),
-                    ..BaseAngles::default()
-                }
-                .base_from_world(),
-                ImagePoint::new(960.0, 540.0),
-            )
-        }
+        turned_base([2.0, -60.0, 18.0], [0.0, 1.0, 0.0], SIZE).bent(k1)
     }
 
     proptest! {

@@ -214,9 +214,10 @@ pub fn pose_from_plane(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use crate::camera::{BaseAngles, CameraBase, PtzCamera};
     use crate::geometry::rotation::angle_between;
     use crate::solve::check_derivatives;
+    use crate::testing::{TestBase, base_at};
 
     fn leaning() -> PtzCamera {
         let angles = BaseAngles {
@@ -228,7 +229,7 @@ mod tests {
             angles.base_from_world(),
             ImagePoint::new(640.0, 360.0),
         );
-        PtzCamera::new(base, Ptz::from_degrees(-12.0, -11.0, 1800.0))
+        base.aim(-12.0, -11.0, 1800.0)
     }
 
     #[test]
@@ -305,12 +306,8 @@ mod tests {
     #[test]
     fn exact_points_give_the_camera() {
         let pp = ImagePoint::new(950.0, 545.0);
-        let base = CameraBase::new(
-            Vec3::new(5.0, -70.0, 21.0),
-            BaseAngles::default().base_from_world(),
-            pp,
-        );
-        let camera = PtzCamera::new(base, Ptz::from_degrees(24.0, -14.0, 2100.0));
+        let base = base_at([5.0, -70.0, 21.0], pp);
+        let camera = base.aim(24.0, -14.0, 2100.0);
         let ground = [
             [36.0, 20.16],
             [52.5, -20.16],

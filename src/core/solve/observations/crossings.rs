@@ -177,12 +177,12 @@ fn is_inside(point: ImagePoint, size: ImageSize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::builtin;
+    use crate::testing::soccer;
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
     fn observations(points: &[(&str, [f64; 2])]) -> Vec<Observation> {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let field = soccer();
         let observation = |(click, (name, at)): (usize, &(&str, [f64; 2]))| {
             Observation::from_line(&field, name, ImagePoint::from(*at), SIZE, click).unwrap()
         };

@@ -382,23 +382,21 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, BaseSigma, CameraBase, Ptz};
+    use crate::camera::BaseSigma;
     use crate::geometry::{Angle, Mat3, Vec3};
     use crate::solve::{PtzPrior, solve_frame};
+    use crate::testing::{SIZE, TestBase, base_at};
     use nalgebra::SMatrix;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     /// A camera whose base is known to these metres in each direction.
     fn camera(sigma_m: f64) -> PtzCamera {
-        let turn = BaseAngles::default().base_from_world();
-        let mut base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turn, SIZE.centre());
+        let mut base = base_at([0.0, -60.0, 18.0], SIZE);
         base.sigma = BaseSigma {
             position_m: Vec3::repeat(sigma_m),
             rotation: Vec3::zeros(),
             ..BaseSigma::default()
         };
-        PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 2000.0))
+        base.aim(0.0, -14.0, 2000.0)
     }
 
     /// The solution from points on the ground where the camera shows these pixels.

@@ -3,13 +3,14 @@
 use super::{
     SIZE, error, exact_clicks, is_truth, known_base, known_clicks, random_camera, random_pixel,
 };
-use crate::seeded;
 use rand::RngExt;
-use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline_core::geometry::{Angle, AngleRange, ImagePoint, Vec3};
+use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::geometry::{Angle, AngleRange, ImagePoint};
 use touchline_core::solve::{
     Observation, SolveContext, SolveError, WarningCode, solve_frame, solve_two_points,
 };
+use touchline_core::testing::seeded;
+use touchline_core::testing::{TestBase, base_at};
 
 /// Over 100,000 random cameras and pairs of pixels the truth comes back to 1e-9 rad and 1e-6 px.
 /// The only other answer is the refusal of clicks less than 2 px apart.
@@ -166,11 +167,7 @@ fn a_landmark_and_a_line_or_three_lines_find_the_camera() {
         .unwrap()
         .model(&std::collections::BTreeMap::new(), 0.1)
         .unwrap();
-    let base = CameraBase::new(
-        Vec3::new(2.0, -62.0, 17.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    );
+    let base = base_at([2.0, -62.0, 17.0], SIZE);
     let mut context = SolveContext::new(SIZE);
     context.ranges.pan = AngleRange::around(Angle::ZERO, Angle::from_degrees(45.0));
     context.ranges.tilt = Angle::from_degrees(-30.0)..=Angle::from_degrees(0.0);
@@ -240,7 +237,7 @@ fn a_landmark_and_a_line_or_three_lines_find_the_camera() {
 
 #[test]
 fn a_click_on_the_principal_point_is_an_ordinary_case() {
-    let camera = PtzCamera::new(known_base(), Ptz::from_degrees(-7.0, -12.0, 3000.0));
+    let camera = known_base().aim(-7.0, -12.0, 3000.0);
     for other in [
         ImagePoint::new(960.0, 100.0),
         ImagePoint::new(100.0, 540.0),
@@ -259,10 +256,7 @@ fn a_click_on_the_principal_point_is_an_ordinary_case() {
 #[test]
 fn a_camera_that_sees_a_click_just_inside_the_fold_of_its_lens_is_found() {
     let [one, two] = known_clicks();
-    let folding = CameraBase {
-        distortion: FocalCurve::constant(-3.0),
-        ..known_base()
-    };
+    let folding = known_base().bent(-3.0);
     let solved = solve_frame(&folding, &[one, two], &SolveContext::new(SIZE)).unwrap();
     let camera = PtzCamera::new(folding, solved.ptz);
     for click in [one, two] {

@@ -5,30 +5,34 @@ mod exact;
 mod named_cases;
 mod noise;
 
-use crate::seeded::normal;
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 use touchline_core::solve::Observation;
+use touchline_core::testing::seeded::normal;
+use touchline_core::testing::{TestBase, base_at, turned_base};
 
 /// The size of the pictures.
 pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 /// A camera at the side of a field that looks somewhere, with a lens in every second case.
 fn random_camera(rng: &mut Pcg64Mcg) -> PtzCamera {
-    let angles = BaseAngles {
-        heading: Angle::ZERO,
-        pitch: Angle::from_degrees(rng.random_range(-2.0..2.0)),
-        roll: Angle::from_degrees(rng.random_range(-2.0..2.0)),
-    };
     let position = Vec3::new(
         rng.random_range(-30.0..30.0),
         rng.random_range(-100.0..-45.0),
         rng.random_range(8.0..40.0),
     );
-    let mut base = CameraBase::new(position, angles.base_from_world(), SIZE.centre());
+    let mut base = turned_base(
+        position,
+        [
+            0.0,
+            rng.random_range(-2.0..2.0),
+            rng.random_range(-2.0..2.0),
+        ],
+        SIZE,
+    );
     if rng.random_bool(0.5) {
         base.distortion = FocalCurve {
             at_focal_px: 2000.0,
@@ -109,15 +113,11 @@ pub fn error(found: &Ptz, truth: &Ptz) -> Vector3<f64> {
 }
 
 fn known_base() -> CameraBase {
-    CameraBase::new(
-        Vec3::new(0.0, -60.0, 18.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
+    base_at([0.0, -60.0, 18.0], SIZE)
 }
 
 fn known_clicks() -> [Observation; 2] {
-    let camera = PtzCamera::new(known_base(), Ptz::from_degrees(10.0, -14.0, 2500.0));
+    let camera = known_base().aim(10.0, -14.0, 2500.0);
     let clicks = exact_clicks(
         &camera,
         &[

@@ -1,12 +1,13 @@
 //! Every error and warning by its name and with its numbers.
 
 use super::{SIZE, exact_clicks, is_truth, known_base, known_clicks};
-use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::camera::CameraBase;
 use touchline_core::field::Curve;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 use touchline_core::solve::{
     Observation, ObservedShape, SolveContext, Verdict, WarningCode, WorldCurve, judge, solve_frame,
 };
+use touchline_core::testing::TestBase;
 
 #[test]
 fn every_degenerate_case_is_named_with_its_numbers() {
@@ -21,10 +22,7 @@ fn every_degenerate_case_is_named_with_its_numbers() {
     let behind = known_base().position_m - (at - known_base().position_m);
     let base = known_base();
     // Even at its fold this lens sees no angle as wide as that between the landmarks.
-    let fold = CameraBase {
-        distortion: FocalCurve::constant(-30.0),
-        ..base
-    };
+    let fold = base.bent(-30.0);
     let nowhere = CameraBase {
         position_m: Vec3::new(f64::NAN, 0.0, 0.0),
         ..base
@@ -203,7 +201,7 @@ fn two_good_clicks_are_good_but_no_evidence_and_close_ones_say_what_they_cost() 
         judgement.reason
     );
 
-    let camera = PtzCamera::new(known_base(), Ptz::from_degrees(10.0, -14.0, 2500.0));
+    let camera = known_base().aim(10.0, -14.0, 2500.0);
     let close = exact_clicks(
         &camera,
         &[ImagePoint::new(800.0, 500.0), ImagePoint::new(900.0, 500.0)],
@@ -222,7 +220,7 @@ fn two_good_clicks_are_good_but_no_evidence_and_close_ones_say_what_they_cost() 
 
 #[test]
 fn clicks_that_contradict_each_other_are_wrong() {
-    let camera = PtzCamera::new(known_base(), Ptz::from_degrees(10.0, -14.0, 2500.0));
+    let camera = known_base().aim(10.0, -14.0, 2500.0);
     let pixels = [
         [300.0, 400.0],
         [1500.0, 700.0],

@@ -1,7 +1,6 @@
 //! With noise the stated uncertainty is the scatter, and the scatter is the bound.
 
 use super::{SIZE, error, exact_clicks, known_base, known_clicks, noisy, random_camera};
-use crate::seeded::{self, normal};
 use nalgebra::{Matrix2, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -9,6 +8,7 @@ use touchline_core::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::rotation::from_rotation_vector;
 use touchline_core::geometry::{Angle, ImagePoint, Vec3};
 use touchline_core::solve::{Loss, Observation, PtzPrior, SolveContext, WarningCode, solve_frame};
+use touchline_core::testing::seeded::{self, normal};
 
 /// Pixels at least 500 px apart and 20 px inside the frame.
 fn good_pair(rng: &mut Pcg64Mcg) -> [ImagePoint; 2] {

@@ -90,7 +90,8 @@ fn find_frame<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Clip, FieldSpec, Shot, ShotEnd, ShotKind};
+    use crate::document::{Clip, Shot, ShotEnd, ShotKind};
+    use crate::testing::{new_frame, soccer_document};
     use touchline_core::geometry::ImageSize;
 
     fn comment(history: &mut History<Document>, document: &mut Document, frame: usize, text: &str) {
@@ -109,8 +110,8 @@ mod tests {
 
     #[test]
     fn what_a_person_did_meanwhile_is_taken_back_first() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |name| Frame::from_image(name, "main".into(), ImageSize::new(64, 48)).into();
+        let mut document = soccer_document();
+        let frame = |name| new_frame(name, ImageSize::new(64, 48)).into();
         document.frames.extend(["a", "b"].map(frame));
         let mut history = History::default();
         comment(&mut history, &mut document, 0, "before");

@@ -375,13 +375,13 @@ fn kept_order<'a>(frames: &'a Frames, kept: &BTreeSet<&FrameId>) -> Vec<&'a Fram
 mod tests {
     use super::*;
     use crate::document::{document_from_bytes, document_to_string};
+    use crate::testing::{new_frame, soccer_document};
     use proptest::prelude::*;
     use touchline_core::geometry::ImageSize;
 
     fn document(names: &[u8]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame =
-            |name: &u8| Frame::from_image(&name.to_string(), "main".into(), ImageSize::new(64, 48));
+        let mut document = soccer_document();
+        let frame = |name: &u8| new_frame(&name.to_string(), ImageSize::new(64, 48));
         document.frames = names.iter().map(|name| frame(name).into()).collect();
         document
     }

@@ -48,12 +48,13 @@ impl Frames {
 mod tests {
     use super::*;
     use crate::document::{Frame, Shared};
+    use crate::testing::new_frame;
     use touchline_core::geometry::ImageSize;
 
     #[test]
     fn few_changes_are_named_and_many_are_not() {
         let frame = |index: usize| -> Shared<Frame> {
-            Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 36)).into()
+            new_frame(&index.to_string(), ImageSize::new(64, 36)).into()
         };
         let before: Frames = (0..1000).map(frame).collect();
         let mut after = before.clone();

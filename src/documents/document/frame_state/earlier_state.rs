@@ -34,11 +34,12 @@ fn is_kept<T: PartialEq>(earlier: Option<&T>, later: Option<&T>) -> bool {
 mod tests {
     use super::*;
     use crate::document::Click;
+    use crate::testing::new_frame;
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
     #[test]
     fn an_earlier_state_has_fewer_edits_and_nothing_that_the_later_one_lacks() {
-        let first = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 48));
+        let first = new_frame("a.jpg", ImageSize::new(64, 48));
         let click = Click::without_name(ImagePoint::new(1.0, 2.0));
         let with_click = Frame {
             revision: 1,

@@ -205,12 +205,13 @@ impl Document {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::{new_frame, ptz_at};
     use touchline_core::geometry::ImageSize;
 
     #[test]
     fn a_restored_camera_keeps_the_keys_of_other_programs() {
-        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+        let mut frame = new_frame("a.jpg", ImageSize::new(64, 36));
+        frame.ptz = ptz_at(1.0, -9.0, 900.0);
         let mut solution = Solution {
             source: Some(SolutionSource::Import),
             ..Solution::default()

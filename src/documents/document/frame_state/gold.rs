@@ -118,7 +118,7 @@ impl Document {
 mod tests {
     use super::*;
     use crate::document::Repeat;
-    use crate::document::fixtures::reference;
+    use crate::testing::reference;
 
     #[test]
     fn differences_are_independent_and_have_the_variance_of_one_click() {

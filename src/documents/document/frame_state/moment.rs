@@ -64,10 +64,11 @@ impl Frame {
 mod tests {
     use super::*;
     use crate::document::VideoFrame;
+    use crate::testing::new_frame;
     use touchline_core::geometry::ImageSize;
 
     fn frames_between(one: &str, other: &str) -> Option<f64> {
-        let frame = |name| Frame::from_image(name, "main".into(), ImageSize::new(64, 36));
+        let frame = |name| new_frame(name, ImageSize::new(64, 36));
         let (one, other) = (frame(one), frame(other));
         one.moment()?.frames_to(&other.moment()?)
     }

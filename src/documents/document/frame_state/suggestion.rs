@@ -187,12 +187,14 @@ fn share_without_suggestion(frame: &Shared<Frame>, known: Option<&Shared<Frame>>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Click, FieldSpec, SolutionSource};
+    use crate::document::{Click, SolutionSource};
+    use crate::testing::{new_frame, ptz_at, soccer_document};
     use touchline_core::camera::Ptz;
-    use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_core::testing::pixel_box;
 
     fn frame(status: FrameStatus, ptz: bool, source: Option<SolutionSource>) -> Frame {
-        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+        let mut frame = new_frame("a.jpg", ImageSize::new(64, 36));
         frame.status = status;
         frame.ptz = ptz.then(|| FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
         frame.solution = source.map(|source| Solution {
@@ -221,15 +223,14 @@ mod tests {
     }
 
     fn suggest(frame: &mut Frame, pan_deg: f64) {
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None));
+        frame.ptz = ptz_at(pan_deg, -9.0, 900.0);
         frame.status = FrameStatus::Suggested;
     }
 
     #[test]
     fn the_document_without_suggestions_changes_with_the_edits_of_people_alone() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame =
-            |name: &str| Frame::from_image(name, "main".into(), ImageSize::new(64, 36)).into();
+        let mut document = soccer_document();
+        let frame = |name: &str| new_frame(name, ImageSize::new(64, 36)).into();
         document.frames.extend(["a", "b", "c"].map(frame));
         let untouched = document.clone();
         suggest(&mut document.frames[1], 1.0);
@@ -253,16 +254,11 @@ mod tests {
 
     #[test]
     fn a_document_without_the_frame_lacks_its_masks_and_its_uses() {
-        let without = Document::new(FieldSpec::new("soccer"));
+        let without = soccer_document();
         let untouched = frame(FrameStatus::New, false, None);
         assert!(!untouched.gives_way_in(&without), "there is no work in it");
         let mut masked = untouched.clone();
-        masked.masks.push(PixelBox {
-            x: 0.0,
-            y: 0.0,
-            width: 9.0,
-            height: 9.0,
-        });
+        masked.masks.push(pixel_box(0.0, 0.0, 9.0, 9.0));
         let left_out = Frame {
             use_for_base: false,
             ..untouched.clone()

@@ -30,12 +30,13 @@ impl Frame {
 
 #[cfg(test)]
 mod tests {
-    use crate::document::{Click, Frame, FrameStatus, Solution, SolutionSource, SolutionWarning};
+    use crate::document::{Click, FrameStatus, Solution, SolutionSource, SolutionWarning};
+    use crate::testing::new_frame;
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
     #[test]
     fn a_frame_is_unanswered_until_a_person_looks_at_it() {
-        let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
+        let mut frame = new_frame("x.jpg", ImageSize::new(64, 36));
         assert!(!frame.is_unanswered(), "no query was made");
         let warnings = vec![SolutionWarning::new("coverage", "3 of 30.".to_owned())];
         frame.solution = Some(Solution {

@@ -237,17 +237,13 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FramePtz, Solution};
-    use touchline_core::camera::Ptz;
+    use crate::testing::{new_frame, ptz_at, solved_by};
     use touchline_core::geometry::ImageSize;
 
     fn reference(source: SolutionSource) -> Frame {
-        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
-        frame.solution = Some(Solution {
-            source: Some(source),
-            ..Solution::default()
-        });
+        let mut frame = new_frame("a.jpg", ImageSize::new(64, 36));
+        frame.ptz = ptz_at(1.0, -9.0, 900.0);
+        frame.solution = solved_by(source);
         frame.status = FrameStatus::Reference;
         frame
     }

@@ -114,7 +114,7 @@ impl ClickNoise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Document, FieldSpec};
+    use crate::testing::soccer_document;
 
     #[test]
     fn no_number_that_json_lacks_is_stored() {
@@ -127,7 +127,7 @@ mod tests {
             repeats: 40,
             extra: Extra::new(),
         };
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         document.set_click_noise(&noise).unwrap();
         let unbounded = ClickNoise {
             sigma_interval_95_px: [1.8, f64::INFINITY],

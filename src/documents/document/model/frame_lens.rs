@@ -88,18 +88,17 @@ fn nonzero(value: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Camera, Frame};
-    use touchline_core::camera::{BaseAngles, BaseSigma, Ptz};
-    use touchline_core::geometry::{ImageSize, Vec2, Vec3};
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use crate::document::Camera;
+    use crate::testing::new_frame;
+    use touchline_core::camera::{BaseSigma, Ptz};
+    use touchline_core::geometry::{Vec2, Vec3};
+    use touchline_core::testing::{SIZE, base_at};
 
     #[test]
     fn the_lens_of_a_frame_takes_the_place_of_the_cameras() {
         let position_m = Vec3::new(0.0, -70.0, 15.0);
         let mut camera = Camera::new("main".into(), SIZE);
-        let rotation = BaseAngles::default().base_from_world();
-        let own = CameraBase::new(position_m, rotation, SIZE.centre());
+        let own = base_at(position_m, SIZE);
         camera.set_base(&CameraBase {
             distortion: FocalCurve::constant(-0.1),
             sigma: BaseSigma {
@@ -111,7 +110,7 @@ mod tests {
             },
             ..own
         });
-        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        let mut frame = new_frame("1.jpg", SIZE);
         let radial = Radial { k1: 0.2, k2: 1.5 };
         frame.lens = Some(FrameLens::new(
             3000.0,

@@ -389,11 +389,12 @@ impl<'a> IntoIterator for &'a mut Frames {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::new_frame;
     use proptest::prelude::*;
     use touchline_core::geometry::ImageSize;
 
     fn frame(image: &str) -> Shared<Frame> {
-        Frame::from_image(image, "main".into(), ImageSize::new(64, 36)).into()
+        new_frame(image, ImageSize::new(64, 36)).into()
     }
 
     fn frames(count: usize) -> Frames {

@@ -117,13 +117,17 @@ impl ImportedCamera {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::TestBase;
 
     #[test]
     fn a_camera_is_recorded_as_it_looks_and_survives_the_file() {
         let rotation = BaseAngles::default().base_from_world();
-        let centre = ImageSize::new(1920, 1080).centre();
-        let base = CameraBase::new(Vec3::new(1.0, -62.0, 17.0), rotation, centre);
-        let camera = PtzCamera::new(base, Ptz::from_degrees(12.0, -9.0, 2400.0));
+        let base = CameraBase::new(
+            Vec3::new(1.0, -62.0, 17.0),
+            rotation,
+            ImageSize::new(1920, 1080).centre(),
+        );
+        let camera = base.aim(12.0, -9.0, 2400.0);
         let recorded = ImportedCamera::new(&camera, Some(41.2), None).unwrap();
         let looks = [recorded.heading_deg, recorded.pitch_deg, recorded.roll_deg];
         for (is, expected) in looks.into_iter().zip([12.0, -9.0, 0.0]) {

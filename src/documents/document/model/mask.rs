@@ -53,7 +53,8 @@ impl RangedMask {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Camera, Document, FieldSpec, VideoFrame};
+    use crate::document::{Camera, VideoFrame};
+    use crate::testing::{new_frame, soccer_document};
     use touchline_core::geometry::ImageSize;
 
     #[test]
@@ -75,9 +76,9 @@ mod tests {
         let mut camera = Camera::new("main".into(), size);
         camera.masks.push(mask(1.0));
         camera.ranged_masks.push(ranged(Some(10), Some(20)));
-        let mut frame = Frame::from_image("1.jpg", "main".into(), size);
+        let mut frame = new_frame("1.jpg", size);
         frame.masks.push(mask(2.0));
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         document.cameras.push(camera.into());
         assert_eq!(document.masks_of(&frame), [mask(1.0), mask(3.0), mask(2.0)]);
         frame.image = None;

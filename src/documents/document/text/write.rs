@@ -241,14 +241,15 @@ fn push(value: &Value, text: &mut String) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Camera, FieldSpec, Frame, FramePtz};
+    use crate::document::{Camera, Frame, FramePtz};
+    use crate::testing::soccer_document;
     use touchline_core::geometry::ImageSize;
 
     #[test]
     fn frames_are_laid_out_like_every_other_list() {
         let size = ImageSize::new(9, 9);
         for count in 0..5 {
-            let mut document = Document::new(FieldSpec::new("soccer"));
+            let mut document = soccer_document();
             document.cameras.push(Camera::new("c".into(), size).into());
             for index in 0..count {
                 let mut frame = Frame::from_image(&index.to_string(), "c".into(), size);
@@ -267,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_frame_with_a_number_that_a_document_cannot_hold_is_named() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in 0..4 {
             let mut frame = Frame::from_image(&index.to_string(), "c".into(), ImageSize::new(9, 9));
             let ptz = touchline_core::camera::Ptz::from_degrees(1.0, 2.0, 900.0);

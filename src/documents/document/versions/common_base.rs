@@ -84,14 +84,14 @@ fn common_frame<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, Merged, merge};
+    use crate::document::{Merged, merge};
+    use crate::testing::{new_frame, soccer_document};
     use touchline_core::geometry::ImageSize;
 
     fn document(comments: &[&str]) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (index, comment) in comments.iter().enumerate() {
-            let mut frame =
-                Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 48));
+            let mut frame = new_frame(&index.to_string(), ImageSize::new(64, 48));
             frame.comment = Some((*comment).to_owned());
             document.frames.push(frame.into());
         }
@@ -151,7 +151,7 @@ mod tests {
         let mut added = written.clone();
         added
             .frames
-            .push(Frame::from_image("new", "main".into(), ImageSize::new(64, 48)).into());
+            .push(new_frame("new", ImageSize::new(64, 48)).into());
         assert_eq!(
             merged(&opened, &added, &theirs).document.frames.len(),
             3,

@@ -190,9 +190,9 @@ fn has_only_picture(frame: &Frame) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::fixtures::{SMALL, document, names_and_comments};
-    use crate::document::{Click, FramePtz, FrameStatus, Solution, SolutionSource};
-    use touchline_core::camera::Ptz;
+    use crate::document::{Click, FrameStatus, SolutionSource};
+    use crate::testing::{SMALL, document, names_and_comments};
+    use crate::testing::{new_frame, ptz_at, solved_by};
     use touchline_core::geometry::ImagePoint;
 
     fn accept(frame: &mut Frame, x: f64) {
@@ -203,12 +203,9 @@ mod tests {
     }
 
     fn propose(frame: &mut Frame) {
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+        frame.ptz = ptz_at(1.0, -9.0, 900.0);
         frame.status = FrameStatus::Suggested;
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Forest),
-            ..Solution::default()
-        });
+        frame.solution = solved_by(SolutionSource::Forest);
     }
 
     #[test]
@@ -216,8 +213,7 @@ mod tests {
         let base = document(&["a", "b"]);
         let mut ours = base.clone();
         ours.frames[1].comment = Some(" ours".to_owned());
-        ours.frames
-            .push(Frame::from_image("new", "main".into(), SMALL).into());
+        ours.frames.push(new_frame("new", SMALL).into());
         let edits = [Edit::between(&base, &ours, "Both")];
         let theirs = document(&["b", "z"]);
         let Merged {

@@ -334,10 +334,11 @@ fn entries_by_key(map: &Keys) -> Keyed<String, (String, Value)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::fixtures::{SMALL, document, names_and_comments};
-    use crate::document::{Click, FramePtz, FrameStatus};
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-    use touchline_core::geometry::{ImagePoint, Vec3};
+    use crate::document::{Click, FrameStatus};
+    use crate::testing::{SMALL, document, names_and_comments};
+    use crate::testing::{new_frame, ptz_at};
+    use touchline_core::geometry::ImagePoint;
+    use touchline_core::testing::base_at;
 
     fn comment(document: &mut Document, name: &str, comment: &str) {
         let frame = document
@@ -356,8 +357,7 @@ mod tests {
         comment(&mut theirs, "c", " theirs");
         ours.frames.remove(0);
         theirs.frames.remove(3);
-        ours.frames
-            .insert(2, Frame::from_image("new", "main".into(), SMALL).into());
+        ours.frames.insert(2, new_frame("new", SMALL).into());
         theirs.field.template = "futsal".to_owned();
         ours.extra.insert("note".to_owned(), "ours".into());
         theirs
@@ -404,7 +404,7 @@ mod tests {
             .iter_mut()
             .find(|frame| frame.name() == name)
             .unwrap();
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None));
+        frame.ptz = ptz_at(pan_deg, -9.0, 900.0);
         frame.status = FrameStatus::Suggested;
     }
 
@@ -456,12 +456,7 @@ mod tests {
         let (mut ours, theirs) = (base.clone(), base.clone());
         suggest(&mut ours, "a", 1.0);
         let mut moved = theirs;
-        let upright = BaseAngles::default().base_from_world();
-        moved.cameras[0].set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            upright,
-            SMALL.centre(),
-        ));
+        moved.cameras[0].set_base(&base_at([0.0, -60.0, 18.0], SMALL));
         assert_eq!(
             merge(&base, &ours, &moved).document.frames[0].status,
             FrameStatus::New

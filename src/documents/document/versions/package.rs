@@ -191,21 +191,19 @@ fn join_shots(base: &Document, given: &[Shot], now: &[Shot]) -> Vec<Shot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Click, FieldSpec, ShotKind, VideoFrame, merge};
+    use crate::document::{Click, ShotKind, VideoFrame, merge};
+    use crate::testing::{a_match, new_frame};
     use proptest::prelude::*;
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
     const SIZE: ImageSize = ImageSize::new(64, 48);
 
     fn document(count: usize) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(crate::document::Camera::new("main".into(), SIZE).into());
+        let mut document = a_match(SIZE);
         for index in 0..count {
-            document.frames.push(
-                Frame::from_image(&format!("images/{index:03}.jpg"), "main".into(), SIZE).into(),
-            );
+            document
+                .frames
+                .push(new_frame(&format!("images/{index:03}.jpg"), SIZE).into());
         }
         for pair in document
             .frames
@@ -249,10 +247,9 @@ mod tests {
             Edit::Remove => drop(document.frames.remove(position)),
             Edit::AddAfter(number) => {
                 let name = format!("new/{index}-{number}.jpg");
-                document.frames.insert(
-                    position + 1,
-                    Frame::from_image(&name, "main".into(), SIZE).into(),
-                );
+                document
+                    .frames
+                    .insert(position + 1, new_frame(&name, SIZE).into());
             }
         }
     }

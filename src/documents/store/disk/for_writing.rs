@@ -121,9 +121,9 @@ impl OpenForWriting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::fixtures::{document, names_and_comments};
     use crate::document::{Edit, Step};
     use crate::store::{orphans, read, write_document};
+    use crate::testing::{document, names_and_comments};
     use std::fs;
     use tempfile::TempDir;
 

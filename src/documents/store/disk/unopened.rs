@@ -212,8 +212,8 @@ fn states_format(head: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::fixtures::document;
     use crate::store::read_with_state;
+    use crate::testing::document;
     use std::fs;
 
     #[test]

@@ -2,16 +2,13 @@
 
 use crate::mat_writer::{CAMERA, frame, sequence};
 use std::path::Path;
-use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_documents::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame,
-};
+use touchline_core::geometry::ImagePoint;
+use touchline_core::testing::{SIZE, TestBase, base_at};
+use touchline_documents::document::{Click, Document, FieldSpec, FrameStatus, VideoFrame};
 use touchline_documents::exchange::{
     ExchangeError, ExportOptions, Format, ImportOptions, Imported, Zoom, export, import,
 };
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+use touchline_documents::testing::{match_from, new_frame, ptz_at};
 
 /// Files by name.
 pub type NamedFiles = Vec<(String, Vec<u8>)>;
@@ -103,28 +100,16 @@ impl Sample {
 
 /// Two solved frames with clicks.
 pub fn document() -> Document {
-    let base = CameraBase {
-        distortion: FocalCurve::constant(0.0661),
-        ..CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        )
-    };
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base);
-    document.cameras.push(camera.into());
+    let mut document = match_from(&base_at([0.0, -60.0, 18.0], SIZE).bent(0.0661), SIZE);
     for index in 0..2_u64 {
-        let mut frame =
-            Frame::from_image(&format!("images/{:04}.jpg", index + 1), "main".into(), SIZE);
+        let mut frame = new_frame(&format!("images/{:04}.jpg", index + 1), SIZE);
         frame.video = Some(VideoFrame::new(
             "match.mp4",
             412 + index,
             Some((412 + index) as f64 / 25.0),
         ));
         frame.status = FrameStatus::Reference;
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(12.5, -11.2, 2410.0), None));
+        frame.ptz = ptz_at(12.5, -11.2, 2410.0);
         frame.clicks = vec![
             Click::landmark("centre_mark".into(), ImagePoint::new(444.5, 789.25)),
             Click::landmark(

@@ -319,14 +319,13 @@ fn partition(count: usize, is_before: impl Fn(usize) -> bool) -> usize {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{
-        Document, FieldSpec, FrameStatus, Solution, SolutionSource,
-    };
+    use touchline_documents::document::{FrameStatus, SolutionSource};
+    use touchline_documents::testing::{new_frame, soccer_document, solved_by};
 
     fn open(clips: &[i64]) -> OpenProject {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for (index, clip) in clips.iter().enumerate() {
-            let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+            let mut frame = new_frame("a.jpg", ImageSize::new(64, 36));
             frame.clip = Some(Clip::Number(*clip));
             frame.status = if index % 2 == 0 {
                 FrameStatus::New
@@ -335,12 +334,7 @@ mod tests {
             };
             document.frames.push(frame.into());
         }
-        OpenProject::new(
-            document,
-            "/match/project.json".into(),
-            "/match".into(),
-            None,
-        )
+        OpenProject::with_document(document)
     }
 
     fn laid_out(open: &OpenProject, filter: Filter, shown: usize) -> Strip {
@@ -445,10 +439,7 @@ mod tests {
         for index in 1..11 {
             let frame = &mut open.document.frames[index];
             frame.status = FrameStatus::New;
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Forest),
-                ..Solution::default()
-            });
+            frame.solution = solved_by(SolutionSource::Forest);
         }
         let fold = |first: usize, last| StripCell::Unanswered {
             first,

@@ -262,8 +262,9 @@ impl Crossing<'_> {
 mod tests {
     use super::*;
     use crate::paint::drawn::{PICTURE, camera, draw_field, soccer, truth};
-    use touchline_core::camera::{CameraBase, FocalCurve, Ptz};
+    use touchline_core::camera::{CameraBase, FocalCurve};
     use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::TestBase;
 
     fn snapped(camera: &PtzCamera, landmark: &str, off_px: Vec2) -> Option<(SnappedPoint, f64)> {
         let field = soccer();
@@ -316,7 +317,7 @@ mod tests {
             distortion: FocalCurve::NONE,
             ..*truth().base()
         };
-        let camera = PtzCamera::new(base, Ptz::from_degrees(38.0, -14.0, 900.0));
+        let camera = base.aim(38.0, -14.0, 900.0);
         let picture = draw_field(&field, &camera, size);
         let ground = GroundPicture::new(&picture, &[]);
         let mut off_px = Vec::new();

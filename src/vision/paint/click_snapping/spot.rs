@@ -319,6 +319,7 @@ mod tests {
     use std::sync::LazyLock;
     use touchline_core::camera::Ptz;
     use touchline_core::geometry::{ImageSize, PixelBox};
+    use touchline_core::testing::{landmark_in, pixel_box};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -351,9 +352,7 @@ mod tests {
         let field = soccer();
         let (landmark, pan_deg, focal_px) = VIEWS[index];
         let camera = view(pan_deg, focal_px);
-        let at = camera
-            .image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap()))
-            .unwrap();
+        let at = landmark_in(&camera, &field, landmark);
         (camera, at)
     }
 
@@ -419,12 +418,7 @@ mod tests {
             None,
             "bare turf"
         );
-        let hidden = PixelBox {
-            x: exact.x - 30.0,
-            y: exact.y - 10.0,
-            width: 60.0,
-            height: 20.0,
-        };
+        let hidden = pixel_box(exact.x - 30.0, exact.y - 10.0, 60.0, 20.0);
         assert_eq!(snapped(1, &camera, exact, &[hidden]), None, "a graphic");
         // The halfway line without its mark, and the mark of another place beside a line.
         let (middle, centre) = view_of(0);

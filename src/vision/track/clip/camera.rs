@@ -83,17 +83,12 @@ impl ClipCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::BaseAngles;
-    use touchline_core::geometry::Vec3;
+    use touchline_core::testing::base_at;
 
     #[test]
     fn a_frame_has_its_own_lens_or_that_of_the_base() {
         let middle = ImagePoint::new(960.0, 540.0);
-        let base = CameraBase::new(
-            Vec3::new(0.0, -70.0, 15.0),
-            BaseAngles::default().base_from_world(),
-            middle,
-        );
+        let base = base_at([0.0, -70.0, 15.0], middle);
         let lens = ClipLens {
             principal_point: ImagePoint::new(970.0, 530.0),
             distortion: FocalCurve::constant(0.3),

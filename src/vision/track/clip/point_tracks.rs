@@ -69,6 +69,7 @@ impl PointTracks {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use touchline_core::testing::pixel_box;
 
     #[test]
     fn a_point_that_passes_under_a_mask_is_another_one_behind_it() {
@@ -81,12 +82,7 @@ mod tests {
             frames: 8,
             tracks: vec![track.clone()],
         };
-        let mask = PixelBox {
-            x: 18.0,
-            y: 0.0,
-            width: 14.0,
-            height: 20.0,
-        };
+        let mask = pixel_box(18.0, 0.0, 14.0, 20.0);
         let left = tracks.outside(&vec![vec![mask]; 8]);
         let lengths: Vec<_> = left
             .tracks

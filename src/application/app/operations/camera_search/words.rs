@@ -129,11 +129,12 @@ fn view_missing(doubts: &[Doubt]) -> String {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{FieldSpec, Frame, VideoFrame};
+    use touchline_documents::document::{Frame, VideoFrame};
+    use touchline_documents::testing::soccer_document;
 
     #[test]
     fn the_frame_to_click_in_has_the_number_that_the_window_shows() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         for index in [0, 25, 50] {
             let video = VideoFrame::new("match.mp4", index, None);
             let frame = Frame::from_video(video, "main".into(), ImageSize::new(64, 36));

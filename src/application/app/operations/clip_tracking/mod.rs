@@ -114,26 +114,13 @@ impl App {
 mod tests {
     use super::*;
     use touchline_calibration::proposals::Finder;
-    use touchline_core::camera::{BaseAngles, CameraBase};
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
+    use touchline_core::testing::{SIZE, base_at};
+    use touchline_documents::testing::{WithFrames, match_from};
 
     /// An application after a clip was tracked, with a camera at (1, −62, 17) m.
     pub(super) fn app() -> App {
-        let size = ImageSize::new(1920, 1080);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), size);
-        let rotation = BaseAngles::default().base_from_world();
-        camera.set_base(&CameraBase::new(
-            Vec3::new(1.0, -62.0, 17.0),
-            rotation,
-            size.centre(),
-        ));
-        document.cameras.push(camera.into());
-        for name in ["a.jpg", "b.jpg"] {
-            let frame = Frame::from_image(name, "main".into(), size);
-            document.frames.push(frame.into());
-        }
+        let document = match_from(&base_at([1.0, -62.0, 17.0], SIZE), SIZE)
+            .with_pictures(["a.jpg", "b.jpg"], SIZE);
         let mut app = App::with_document(document);
         let finder = Finder::Command {
             name: Command::Track.name().to_owned(),

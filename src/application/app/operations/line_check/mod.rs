@@ -74,22 +74,17 @@ mod tests {
     use crate::app::operation::Operation;
     use crate::app::{Action, DiskReport, EditAction, Effect, Opened, Settings};
     use std::path::PathBuf;
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use touchline_core::camera::PtzCamera;
     use touchline_core::field::builtin;
-    use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
+    use touchline_core::testing::{SIZE, TestBase, base_at};
     use touchline_documents::document::{
-        Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus, Solution,
-        SolutionSource,
+        FieldSpec, FrameId, FramePtz, FrameStatus, SolutionSource,
     };
+    use touchline_documents::testing::{match_from, new_frame, solved_by};
     use touchline_vision::paint::LineCheck;
 
     fn camera() -> PtzCamera {
-        let base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            ImagePoint::new(960.0, 540.0),
-        );
-        PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 2000.0))
+        base_at([0.0, -60.0, 18.0], SIZE).aim(0.0, -12.0, 2000.0)
     }
 
     /// What the paint says about a frame: 0 contradicts its camera, 1 supports it.
@@ -115,19 +110,12 @@ mod tests {
 
     /// An application with imported cameras; nothing is known of their paint.
     pub(super) fn imported(frames: usize) -> App {
-        let size = ImageSize::new(1920, 1080);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut of_document = Camera::new("main".into(), size);
-        of_document.set_base(camera().base());
-        document.cameras.push(of_document.into());
+        let mut document = match_from(camera().base(), SIZE);
         for index in 0..frames {
-            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            let mut frame = new_frame(&format!("{index}.jpg"), SIZE);
             frame.ptz = Some(FramePtz::new(camera().ptz(), None));
             frame.status = FrameStatus::Draft;
-            frame.solution = Some(Solution {
-                source: Some(SolutionSource::Import),
-                ..Solution::default()
-            });
+            frame.solution = solved_by(SolutionSource::Import);
             document.frames.push(frame.into());
         }
         App::with_document(document)

@@ -369,11 +369,11 @@ impl App {
 mod tests {
     use super::*;
     use crate::app::Action;
-    use touchline_documents::document::FieldSpec;
+    use touchline_documents::testing::soccer_document;
 
     #[test]
     fn the_button_of_an_older_message_mends_nothing_after_an_import_that_failed() {
-        let mut app = App::with_document(Document::new(FieldSpec::new("soccer")));
+        let mut app = App::with_document(soccer_document());
         app.session.notify_with(
             Level::Info,
             "An earlier import.",

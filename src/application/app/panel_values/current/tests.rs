@@ -2,49 +2,32 @@
 
 use super::*;
 use crate::app::{Action, App, Opened, Settings};
-use touchline_core::camera::BaseAngles;
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_documents::document::{Camera, Document, FieldSpec, Target};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::testing::{TestBase, base_at, landmark_in, soccer};
+use touchline_documents::document::Target;
+use touchline_documents::testing::{match_from, new_frame};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 fn pointed() -> PtzCamera {
-    let base = CameraBase::new(
-        Vec3::new(0.0, -60.0, 18.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    );
-    PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 1000.0))
+    base_at([0.0, -60.0, 18.0], SIZE).aim(0.0, -12.0, 1000.0)
 }
 
 fn image_of(landmark: &str) -> ImagePoint {
-    let field = touchline_core::field::builtin("soccer")
-        .unwrap()
-        .default_model()
-        .unwrap();
-    pointed()
-        .image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap()))
-        .unwrap()
+    let field = soccer();
+    landmark_in(&pointed(), &field, landmark)
 }
 
 /// A frame with two clicks, solved.
 fn project() -> OpenProject {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(pointed().base());
-    document.cameras.push(camera.into());
-    let mut frame = Frame::from_image("0.jpg", "main".into(), SIZE);
+    let mut document = match_from(pointed().base(), SIZE);
+    let mut frame = new_frame("0.jpg", SIZE);
     frame.clicks = ["centre_mark", "halfway_far"]
         .map(|id| Click::landmark(id.into(), image_of(id)))
         .into_iter()
         .collect();
     document.frames.push(frame.into());
-    OpenProject::new(
-        document,
-        "/match/project.json".into(),
-        "/match".into(),
-        None,
-    )
+    OpenProject::with_document(document)
 }
 
 /// Whether a refresh recomputes the frame: it then removes a mark left in the derived values.

@@ -135,18 +135,15 @@ mod tests {
     use super::*;
     use crate::app::{Action, Opened};
     use touchline_core::camera::Ptz;
-    use touchline_documents::document::{FramePtz, Solution};
+    use touchline_documents::testing::{ptz_at, solved_by};
 
     #[test]
     fn a_proposal_says_what_the_dashes_mean() {
         let mut app = opened(true, 1);
         let mut document = app.open().unwrap().document.clone();
-        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -9.0, 1800.0), None));
+        document.frames[0].ptz = ptz_at(5.0, -9.0, 1800.0);
         document.frames[0].status = FrameStatus::Suggested;
-        document.frames[0].solution = Some(Solution {
-            source: Some(SolutionSource::Forest),
-            ..Solution::default()
-        });
+        document.frames[0].solution = solved_by(SolutionSource::Forest);
         app.update(Action::Opened(Box::new(Opened::new(
             document,
             "/match/project.json",
@@ -163,11 +160,8 @@ mod tests {
         let mut document = app.open().unwrap().document.clone();
         let frame = &mut document.frames[0];
         // 0.3° to the right of the points' solution: 5 px at the centre, more towards the borders.
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.3, -10.0, 1000.0), None));
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Markings),
-            ..Solution::default()
-        });
+        frame.ptz = ptz_at(0.3, -10.0, 1000.0);
+        frame.solution = solved_by(SolutionSource::Markings);
         app.update(Action::Opened(Box::new(Opened::new(
             document.clone(),
             "/match/project.json",

@@ -218,48 +218,32 @@ fn guide_unnamed_click(frame: &Frame) -> Option<Guidance> {
 mod tests {
     use super::*;
     use crate::app::{Action, EditAction, Navigation, PointerAction};
-    use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-    use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3};
-    use touchline_documents::document::{Camera, Document, FieldSpec, RejectReason};
+    use touchline_core::camera::{Ptz, PtzCamera};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
+    use touchline_core::testing::{landmark_in, turned_base};
+    use touchline_documents::document::{Camera, RejectReason};
+    use touchline_documents::testing::{WithFrames, soccer_document};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
     pub(super) fn camera(ptz: Ptz) -> PtzCamera {
-        let down = BaseAngles {
-            pitch: Angle::from_degrees(-2.0),
-            ..BaseAngles::default()
-        };
-        PtzCamera::new(
-            CameraBase::new(
-                Vec3::new(0.0, -60.0, 18.0),
-                down.base_from_world(),
-                SIZE.centre(),
-            ),
-            ptz,
-        )
+        PtzCamera::new(turned_base([0.0, -60.0, 18.0], [0.0, -2.0, 0.0], SIZE), ptz)
     }
 
     pub(super) fn opened(with_base: bool, frames: usize) -> App {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         let mut main = Camera::new("main".into(), SIZE);
         if with_base {
             main.set_base(camera(Ptz::from_degrees(0.0, 0.0, 1.0)).base());
         }
         document.cameras.push(main.into());
-        for index in 0..frames {
-            document
-                .frames
-                .push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
-        }
-        App::with_document(document)
+        App::with_document(document.with_numbered(frames, SIZE))
     }
 
     /// Clicks a landmark where a camera projects it.
     pub(super) fn click(app: &mut App, landmark: &str, pointed: &PtzCamera) {
         let field = app.current().field().unwrap().clone();
-        let at = pointed
-            .image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap()))
-            .unwrap();
+        let at = landmark_in(pointed, &field, landmark);
         app.update(Action::Edit(EditAction::Pick(Target::Landmark(
             landmark.into(),
         ))));

@@ -73,10 +73,11 @@ mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::Camera;
+    use touchline_documents::testing::soccer_document;
 
     #[test]
     fn a_field_is_built_once_until_the_document_names_another() {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         let (mut models, mut templates) = (FieldModels::default(), Templates::default());
         let mut model = |document: &Document| {
             models.update(document);

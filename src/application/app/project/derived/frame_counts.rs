@@ -186,16 +186,13 @@ impl Follows for FrameCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::geometry::{ImagePoint, ImageSize};
-    use touchline_documents::document::{Click, FieldSpec, Repeat, Solution, SolutionSource};
+    use touchline_core::geometry::ImagePoint;
+    use touchline_documents::document::{Click, Repeat, Solution, SolutionSource};
+    use touchline_documents::testing::{SMALL, WithFrames, soccer_document};
 
     fn document(frames: usize) -> Document {
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let frame = |index: usize| {
-            Frame::from_image(&index.to_string(), "main".into(), ImageSize::new(64, 36))
-        };
-        document.frames = (0..frames).map(|index| frame(index).into()).collect();
-        document
+        let names = (0..frames).map(|index| index.to_string());
+        soccer_document().with_pictures(names, SMALL)
     }
 
     /// All values except the editions.

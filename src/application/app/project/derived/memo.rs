@@ -42,7 +42,7 @@ impl<T: Follows> Memo<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_documents::document::FieldSpec;
+    use touchline_documents::testing::soccer_document;
 
     /// Counts its updates.
     #[derive(Default)]
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn a_value_is_derived_once_for_each_version_and_not_before_it_is_requested() {
-        let mut document = Versioned::new(Document::new(FieldSpec::new("soccer")));
+        let mut document = Versioned::new(soccer_document());
         let mut memo = Memo::<Counted>::default();
         assert_eq!(memo.last().0, 0);
         assert_eq!((memo.at(&document).0, memo.at(&document).0), (1, 1));

@@ -283,18 +283,16 @@ pub(super) fn clamp_to_picture(at: ImagePoint, size: ImageSize) -> ImagePoint {
 mod tests {
     use super::*;
     use crate::app::{Action, Command, EditAction, Effect, Navigation, PointerAction};
-    use touchline_documents::document::{Camera, Document, FieldSpec, Frame};
+    use touchline_core::testing::SIZE;
+    use touchline_documents::document::Frame;
+    use touchline_documents::testing::{a_match, new_frame};
 
     /// A frame with one click.
     fn app(at: ImagePoint) -> App {
-        let size = ImageSize::new(1920, 1080);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
+        let mut document = a_match(SIZE);
         let mut frame = Frame {
             status: FrameStatus::Draft,
-            ..Frame::from_image("a.jpg", "main".into(), size)
+            ..new_frame("a.jpg", SIZE)
         };
         frame.clicks.push(Click::landmark("centre_mark".into(), at));
         document.frames.push(frame.into());

@@ -245,7 +245,8 @@ mod tests {
     };
     use touchline_core::field::{FieldError, Template, builtin};
     use touchline_core::geometry::{ImagePoint, ImageSize};
-    use touchline_documents::document::{Camera, Document, FieldSpec, Frame, FrameStatus};
+    use touchline_documents::document::{Camera, Document, FieldSpec, FrameStatus};
+    use touchline_documents::testing::{WithFrames, a_match, new_frame, soccer_document};
 
     /// Two frames of a field whose template is a file beside the document, and the effects of
     /// opening it.
@@ -257,8 +258,7 @@ mod tests {
         document
             .cameras
             .push(Camera::new("main".into(), size).into());
-        let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), size).into();
-        document.frames.extend((0..2).map(frame));
+        let document = document.with_numbered(2, size);
         let mut app = App::new(Settings::default());
         let effects = app.update(Action::Opened(Box::new(Opened::new(
             document,
@@ -336,7 +336,7 @@ mod tests {
     fn a_copy_of_a_document_that_was_closed_counts_for_no_other() {
         let (mut app, _) = opened_with_own_template();
         let late = copy_to(&mut app, "/copies/one");
-        let document = Document::new(FieldSpec::new("soccer"));
+        let document = soccer_document();
         let another = Opened::new(document, "/another/project.json");
         app.update(Action::Opened(Box::new(another)));
         app.update(late);
@@ -419,12 +419,9 @@ mod tests {
     #[test]
     fn a_project_opens_where_it_was_left() {
         let size = ImageSize::new(1280, 720);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document
-            .cameras
-            .push(Camera::new("main".into(), size).into());
+        let mut document = a_match(size);
         for index in 0..6 {
-            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            let mut frame = new_frame(&format!("{index}.jpg"), size);
             if index < 2 {
                 frame.status = FrameStatus::Rejected;
             }

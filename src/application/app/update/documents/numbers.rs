@@ -283,30 +283,22 @@ mod tests {
     use crate::app::operations::transfer::TransferWrite;
     use crate::app::{Action, DiskReport, EditAction, Effect, Opened, Question};
     use touchline_core::camera::{BaseAngles, CameraBase};
-    use touchline_core::field::builtin;
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
-    use touchline_documents::document::{Click, Document, Frame};
+    use touchline_core::testing::{SIZE, TestBase, base_at, soccer};
+    use touchline_documents::document::Click;
+    use touchline_documents::testing::{WithFrames, new_frame, soccer_document};
 
     fn app(own_field: bool) -> App {
-        let size = ImageSize::new(1920, 1080);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), size);
+        let mut document = soccer_document();
+        let mut camera = Camera::new("main".into(), SIZE);
         camera.field = own_field.then(|| FieldSpec::new("basketball_fiba"));
         document.cameras.push(camera.into());
-        document
-            .frames
-            .push(Frame::from_image("a.jpg", "main".into(), size).into());
-        App::with_document(document)
+        App::with_document(document.with_pictures(["a.jpg"], SIZE))
     }
 
     /// A camera of another document, with a base.
     fn loaded_camera() -> Camera {
-        let level = BaseAngles::default().base_from_world();
-        let mut base = CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            level,
-            ImagePoint::new(970.0, 530.0),
-        );
+        let mut base = base_at([0.0, -60.0, 15.0], ImagePoint::new(970.0, 530.0));
         base.distortion.at_focal_px = 2000.0;
         base.distortion.per_1000_px = 0.2;
         base.sigma.principal_point_px = Vec2::new(8.0, 4.0);
@@ -378,14 +370,14 @@ mod tests {
         let size = ImageSize::new(1280, 720);
         let level = BaseAngles::default().base_from_world();
         let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), level, size.centre());
-        let pointed = PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 1000.0));
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let pointed = base.aim(0.0, -12.0, 1000.0);
+        let field = soccer();
+        let mut document = soccer_document();
         let mut camera = Camera::new("main".into(), size);
         camera.set_base(&base);
         document.cameras.push(camera.clone().into());
         for name in ["a.jpg", "b.jpg"] {
-            let mut frame = Frame::from_image(name, "main".into(), size);
+            let mut frame = new_frame(name, size);
             for id in ["centre_mark", "halfway_far"] {
                 let world = field.landmark_in_world(field.landmark(id).unwrap());
                 let at = pointed.image_from_world(world).unwrap();

@@ -247,25 +247,12 @@ fn name_some(names: &[String]) -> String {
 mod tests {
     use super::*;
     use crate::app::{Action, DiskReport, EditAction};
-    use touchline_core::camera::{BaseAngles, CameraBase};
-    use touchline_core::geometry::{ImageSize, Vec3};
-    use touchline_documents::document::{Camera, FieldSpec, Frame};
+    use touchline_core::testing::{HD, base_at};
+    use touchline_documents::testing::{WithFrames, match_from};
 
     /// Three frames of a camera with a base.
     fn app() -> App {
-        let size = ImageSize::new(1280, 720);
-        let level = BaseAngles::default().base_from_world();
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut camera = Camera::new("main".into(), size);
-        camera.set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            level,
-            size.centre(),
-        ));
-        document.cameras.push(camera.into());
-        let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), size).into();
-        document.frames.extend((0..3).map(frame));
-        App::with_document(document)
+        App::with_document(match_from(&base_at([0.0, -60.0, 18.0], HD), HD).with_numbered(3, HD))
     }
 
     /// Whether an estimation that was started before an action goes on after it.

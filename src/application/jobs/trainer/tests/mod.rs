@@ -14,11 +14,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 use touchline_calibration::proposals::{Proposal, TrackedProposal};
-use touchline_core::camera::{BaseAngles, CameraBase, Ptz};
-use touchline_core::geometry::{ImageSize, Vec3};
-use touchline_documents::document::{
-    Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus,
-};
+use touchline_core::geometry::ImageSize;
+use touchline_core::testing::base_at;
+use touchline_documents::document::{Document, Frame, FrameId, FrameStatus};
+use touchline_documents::testing::{match_from, new_frame, ptz_at};
 
 const SIZE: ImageSize = ImageSize::new(64, 36);
 
@@ -116,17 +115,9 @@ impl Controller {
 
 /// A document of which the first few frames are references.
 fn document(references: usize, others: usize) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut main = Camera::new("main".into(), SIZE);
-    let level = BaseAngles::default().base_from_world();
-    main.set_base(&CameraBase::new(
-        Vec3::new(0.0, -66.0, 18.0),
-        level,
-        SIZE.centre(),
-    ));
-    document.cameras.push(main.into());
+    let mut document = match_from(&base_at([0.0, -66.0, 18.0], SIZE), SIZE);
     for index in 0..references + others {
-        let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
+        let mut frame = new_frame(&format!("{index}.jpg"), SIZE);
         if index < references {
             accept(&mut frame, index as f64);
         }
@@ -137,5 +128,5 @@ fn document(references: usize, others: usize) -> Document {
 
 fn accept(frame: &mut Frame, pan_deg: f64) {
     frame.status = FrameStatus::Reference;
-    frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None));
+    frame.ptz = ptz_at(pan_deg, -9.0, 900.0);
 }

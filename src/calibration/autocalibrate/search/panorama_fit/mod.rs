@@ -195,7 +195,7 @@ mod tests {
     use std::path::Path;
     use touchline_core::camera::{FocalCurve, Ptz};
     use touchline_core::geometry::{Angle, ImageSize, Mat3, Vec3};
-    use touchline_documents::document::{Document, FieldSpec};
+    use touchline_documents::testing::soccer_document;
 
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
@@ -256,7 +256,7 @@ mod tests {
 
     /// The prior of a soccer pitch of unknown size, and one field of another size.
     fn field_prior() -> (FieldPrior, FieldModel) {
-        let document = Document::new(FieldSpec::new("soccer"));
+        let document = soccer_document();
         let prior = FieldPrior::from_document(document.at(Path::new("")), &"main".into()).unwrap();
         let field = FieldModel {
             crown_m: 0.3,

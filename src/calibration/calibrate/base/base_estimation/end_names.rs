@@ -150,13 +150,13 @@ pub(crate) fn rename_behind_an_end(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::fixtures::document_with;
     use std::path::Path;
     use touchline_core::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use touchline_core::field::{FieldElement, builtin, builtin_names};
     use touchline_core::geometry::{Angle, ImageSize, Vec3};
     use touchline_core::markings::project_landmarks;
     use touchline_documents::document::{Click, FieldSpec, FrameStatus};
+    use touchline_documents::testing::match_from;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -177,7 +177,7 @@ mod tests {
     fn named_as_they_look(template: &str) -> (Document, PtzCamera, FieldModel) {
         let field = builtin(template).unwrap().default_model().unwrap();
         let camera = behind_the_end(&field);
-        let mut document = document_with(camera.base(), SIZE);
+        let mut document = match_from(camera.base(), SIZE);
         document.field = FieldSpec::new(template);
         document.cameras[0].position_m = None;
         document.cameras[0].base_from_world = None;

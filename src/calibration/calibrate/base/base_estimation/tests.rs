@@ -1,22 +1,17 @@
 //! Bases of documents with rejected frames, wrong names and later edits.
 
 use super::*;
-use crate::calibrate::fixtures::document_with;
 use std::path::Path;
-use touchline_core::camera::{BaseAngles, Ptz};
-use touchline_core::geometry::{Angle, Mat3, Vec3};
+use touchline_core::geometry::{Mat3, Vec3};
 use touchline_core::solve::base::{DisputedClick, ModelReason};
-use touchline_documents::document::{Click, FramePtz, FrameStatus, Solution};
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+use touchline_core::testing::{SIZE, turned_base};
+use touchline_documents::document::{Click, FrameStatus, Solution};
+use touchline_documents::testing::match_from;
+use touchline_documents::testing::{new_frame, ptz_at};
 
 fn base(heading_deg: f64) -> CameraBase {
-    let angles = BaseAngles {
-        heading: Angle::from_degrees(heading_deg),
-        ..BaseAngles::default()
-    };
     let position_m = Vec3::new(0.0, -60.0, 18.0);
-    CameraBase::new(position_m, angles.base_from_world(), SIZE.centre())
+    turned_base(position_m, [heading_deg, 0.0, 0.0], SIZE)
 }
 
 /// An estimate of a base along world +y that took no frame.
@@ -49,9 +44,9 @@ fn problem(document: &Document) -> Result<BaseProblem, BaseEstimationError> {
 
 #[test]
 fn a_rejected_frame_keeps_its_direction_in_the_world() {
-    let mut document = document_with(&base(20.0), SIZE);
-    let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
-    frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -12.0, 2000.0), None));
+    let mut document = match_from(&base(20.0), SIZE);
+    let mut frame = new_frame("1.jpg", SIZE);
+    frame.ptz = ptz_at(5.0, -12.0, 2000.0);
     frame.status = FrameStatus::Rejected;
     document.frames.push(frame.into());
     let estimated = problem(&document)
@@ -64,8 +59,8 @@ fn a_rejected_frame_keeps_its_direction_in_the_world() {
 
 #[test]
 fn a_wrong_name_in_a_rejected_frame_does_not_end_the_estimation() {
-    let mut document = document_with(&base(0.0), SIZE);
-    let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+    let mut document = match_from(&base(0.0), SIZE);
+    let mut frame = new_frame("1.jpg", SIZE);
     let click = Click::landmark("no_such_mark".into(), SIZE.centre());
     frame.clicks.push(click);
     document.frames.push(frame.into());
@@ -76,8 +71,8 @@ fn a_wrong_name_in_a_rejected_frame_does_not_end_the_estimation() {
 
 #[test]
 fn clicks_that_changed_after_the_estimation_are_not_disputed() {
-    let mut document = document_with(&base(0.0), SIZE);
-    let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+    let mut document = match_from(&base(0.0), SIZE);
+    let mut frame = new_frame("1.jpg", SIZE);
     for landmark in ["centre_mark", "halfway_far"] {
         let click = Click::landmark(landmark.into(), SIZE.centre());
         frame.clicks.push(click);

@@ -9,8 +9,9 @@ use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, AngleRange, ImagePoint, ImageSize};
 use touchline_core::solve::{Motion, MotionPrior, PtzRanges, PtzStep};
 use touchline_documents::document::{
-    Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Shared, VideoFrame,
+    Click, Clip, Document, Frame, FramePtz, FrameStatus, Shared, VideoFrame,
 };
+use touchline_documents::testing::soccer_document;
 
 /// What the index keeps, looked up in all frames.
 fn looked_up(document: &Document, index: usize) -> MotionPrior {
@@ -144,7 +145,7 @@ proptest! {
         frames in proptest::collection::vec(a_frame(), 1..120),
         edits in proptest::collection::vec((0..120_usize, a_frame()), 0..12),
     ) {
-        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut document = soccer_document();
         document.frames.extend(frames.into_iter().map(Shared::new));
         let mut index = FrameLookup::from_document(&document);
         same_as_looked_up(&index, &document)?;

@@ -1,32 +1,26 @@
 use super::super::kept::{MENDED, NO_PLACE};
 use super::*;
-use touchline_core::camera::{BaseAngles, Ptz, Radial};
-use touchline_core::geometry::{ImageSize, Vec3};
-use touchline_documents::document::{Clip, FieldSpec, Frame, VideoFrame};
+use touchline_core::camera::{Ptz, Radial};
+use touchline_core::geometry::Vec3;
+use touchline_core::testing::{SIZE, base_at};
+use touchline_documents::document::{Clip, Frame, VideoFrame};
+use touchline_documents::testing::{soccer_document, solved_by};
 
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const MAIN_M: Vec3 = Vec3::new(1.0, -70.0, 18.0);
 const BESIDE_M: Vec3 = Vec3::new(-30.0, -50.0, 10.0);
 
 /// A document of frames with these names, each with a camera of its own, as it is imported.
 fn document_of(frames: impl IntoIterator<Item = (String, Vec3, Ptz)>) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut document = soccer_document();
     for (index, (name, position_m, ptz)) in frames.into_iter().enumerate() {
         let id = CameraId::from(format!("main-{index}").as_str());
         let mut camera = Camera::new(id.clone(), SIZE);
-        camera.set_base(&CameraBase::new(
-            position_m,
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        ));
+        camera.set_base(&base_at(position_m, SIZE));
         document.cameras.push(camera.into());
         let mut frame = Frame::from_image(&name, id, SIZE);
         frame.point(ptz, Radial::default());
         frame.status = FrameStatus::Suggested;
-        frame.solution = Some(Solution {
-            source: Some(SolutionSource::Import),
-            ..Solution::default()
-        });
+        frame.solution = solved_by(SolutionSource::Import);
         document.frames.push(frame.into());
     }
     document

@@ -255,8 +255,7 @@ mod tests {
         BaseSigma, CameraBase, FocalCurve, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError,
     };
     use crate::solve::fixtures::base;
-
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    use crate::testing::{SIZE, TestBase};
 
     /// Errors of which most go together.
     fn together() -> SharedCovariance {
@@ -293,11 +292,8 @@ mod tests {
 
     /// A camera with a lens that has no ray, not even near the middle of the picture.
     fn camera_without_rays() -> PtzCamera {
-        let base = CameraBase {
-            distortion: FocalCurve::constant(-1e4),
-            ..base()
-        };
-        PtzCamera::new(base, Ptz::from_degrees(-12.0, -9.0, 2300.0))
+        let base = base().bent(-1e4);
+        base.aim(-12.0, -9.0, 2300.0)
     }
 
     #[test]

@@ -5,9 +5,7 @@ use egui::PointerButton;
 use egui::{Rect, pos2, vec2};
 use touchline_application::app::session::PictureView;
 use touchline_application::app::{EditAction, PointerAction, ViewAction};
-use touchline_core::geometry::ImageSize;
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
+use touchline_core::testing::SIZE;
 
 /// A ring is drawn at (800, 600) and can be grabbed within 16 px.
 fn drawn_ring(at: ImagePoint) -> Option<DrawnElement> {

@@ -141,18 +141,14 @@ pub fn propagate(
 mod tests {
     use super::*;
     use crate::track::{AdjustOptions, ClipLens, PointTrack, PriorSource, adjust_clip};
-    use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, PtzCamera};
-    use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+    use touchline_core::camera::{CameraBase, FocalCurve, PtzCamera};
+    use touchline_core::geometry::{ImagePoint, Mat3, Vec3};
+    use touchline_core::testing::{SIZE, base_at};
 
-    const SIZE: ImageSize = ImageSize::new(1920, 1080);
     const FRAMES: usize = 40;
 
     fn base() -> CameraBase {
-        CameraBase::new(
-            Vec3::new(0.0, -60.0, 18.0),
-            BaseAngles::default().base_from_world(),
-            SIZE.centre(),
-        )
+        base_at([0.0, -60.0, 18.0], SIZE)
     }
 
     /// A camera that pans by some degrees from frame to frame.

@@ -5,32 +5,24 @@ mod undo;
 
 use super::{Bases, Discarded, Project, SuggestionUpdate};
 use crate::proposals::{Answer, BatchId, Finder, FrameRequest, Proposal, Timings};
-use touchline_core::camera::{BaseAngles, CameraBase};
-use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_core::camera::CameraBase;
+use touchline_core::geometry::ImageSize;
+use touchline_core::testing::base_at;
 use touchline_documents::document::{
-    Camera, Document, Edit, FieldSpec, Frame, FrameStatus, History, Shared, Solution,
-    SolutionSource, Step, document_from_bytes, document_to_string,
+    Document, Edit, Frame, FrameStatus, History, Shared, SolutionSource, Step, document_from_bytes,
+    document_to_string,
 };
+use touchline_documents::testing::{WithFrames, match_from, solved_by};
 use touchline_vision::relocalize::NotFound;
 
 const SIZE: ImageSize = ImageSize::new(64, 36);
 
 fn base(height_m: f64) -> CameraBase {
-    CameraBase::new(
-        Vec3::new(0.0, -60.0, height_m),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
+    base_at([0.0, -60.0, height_m], SIZE)
 }
 
 fn document(frames: usize) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base(18.0));
-    document.cameras.push(camera.into());
-    let frame = |index| Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into();
-    document.frames.extend((0..frames).map(frame));
-    document
+    match_from(&base(18.0), SIZE).with_numbered(frames, SIZE)
 }
 
 /// The forest's proposal for the present state of a frame: a camera, or none.
@@ -57,10 +49,7 @@ fn proposal(document: &Document, position: usize, pan_deg: Option<f64>) -> Propo
 /// Writes a suggested camera into a frame.
 fn suggest_camera(frame: &mut Frame, pan_deg: f64, source: SolutionSource) {
     frame.ptz = Some(Answer::at_pan(pan_deg, 0.9).ptz);
-    frame.solution = Some(Solution {
-        source: Some(source),
-        ..Solution::default()
-    });
+    frame.solution = solved_by(source);
     frame.status = FrameStatus::Suggested;
 }
 

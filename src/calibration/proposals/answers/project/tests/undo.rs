@@ -4,12 +4,11 @@ use super::super::super::suggestions::KEPT_BASES;
 use super::super::Project;
 use super::{Desk, SIZE, base, document, proposal};
 use crate::proposals::{FrameRequest, Proposal};
-use touchline_core::camera::Ptz;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{
-    Click, Frame, FramePtz, FrameStatus, Solution, SolutionSource, document_from_bytes,
-    document_to_string,
+    Click, FrameStatus, Solution, SolutionSource, document_from_bytes, document_to_string,
 };
+use touchline_documents::testing::{new_frame, ptz_at};
 
 #[test]
 fn a_file_is_split_and_written_as_it_was() {
@@ -75,7 +74,7 @@ fn what_was_accepted_or_corrected_before_a_restart_is_suggested_again_when_that_
             .clicks
             .push(Click::without_name(ImagePoint::new(3.0, 1.0)));
         frame.status = FrameStatus::Draft;
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(2.5, -9.0, 900.0), None));
+        frame.ptz = ptz_at(2.5, -9.0, 900.0);
         frame.solution = Some(Solution {
             source: Some(SolutionSource::Forest),
             proposed,
@@ -155,7 +154,7 @@ fn frames_that_come_go_and_come_back_bring_what_is_suggested_for_them() {
     ]);
     desk.edit("Remove", |document| {
         document.frames.remove(0);
-        let mut coming = Frame::from_image("new.jpg", "main".into(), SIZE);
+        let mut coming = new_frame("new.jpg", SIZE);
         proposal(document, 0, Some(4.0)).record(&mut coming);
         document.frames.push(coming.into());
     });

@@ -1,13 +1,14 @@
 //! Documents whose frames are proposed, and what a forest says of a frame.
 
-use crate::bench::{SIZE, base};
+use super::base;
 use touchline_calibration::proposals::{Answer, FrameRequest, Proposal, Timings};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::Mat3;
+use touchline_core::testing::SIZE;
 use touchline_documents::document::{
-    Camera, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
-    SolutionWarning,
+    Clip, Document, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
 };
+use touchline_documents::testing::{match_from, new_frame};
 use touchline_vision::relocalize::NotFound;
 
 /// The truth of frame `index`: a slow pan.
@@ -17,12 +18,9 @@ pub fn truth(index: usize) -> Ptz {
 
 /// Frames of one camera and one clip, nothing done.
 pub fn blank(frames: usize) -> Document {
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base());
-    document.cameras.push(camera.into());
+    let mut document = match_from(&base(), SIZE);
     for index in 0..frames {
-        let mut frame = Frame::from_image(&format!("images/{index:04}.jpg"), "main".into(), SIZE);
+        let mut frame = new_frame(&format!("images/{index:04}.jpg"), SIZE);
         frame.clip = Some(Clip::Number(1));
         document.frames.push(frame.into());
     }

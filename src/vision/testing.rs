@@ -1,20 +1,25 @@
 //! Described points, and the features that a camera sees of them.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::missing_panics_doc,
+    clippy::must_use_candidate,
+    missing_docs,
+    reason = "for tests alone"
+)]
 
+use crate::features::{DESCRIPTOR_BYTES, Descriptor, Features, Keypoint};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
-use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline_vision::features::{DESCRIPTOR_BYTES, Descriptor, Features, Keypoint};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::testing::base_at;
 
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 /// Where the camera stands.
 pub fn base() -> CameraBase {
-    CameraBase::new(
-        Vec3::new(0.0, -60.0, 18.0),
-        BaseAngles::default().base_from_world(),
-        SIZE.centre(),
-    )
+    base_at([0.0, -60.0, 18.0], SIZE)
 }
 
 /// What a point looks like.
