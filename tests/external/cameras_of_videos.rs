@@ -97,7 +97,9 @@ fn cameras_of_every_format_come_to_their_frames_of_a_video() {
     }
     fs::write(folder.path().join("sn/camera_match_000007.json"), "{}").unwrap();
     fs::write(folder.path().join("sn/camera_match_000008.json"), "null").unwrap();
-    let said = run("import sn --video match.mp4 -o damaged.json");
+    let ran = touchline(folder.path(), "import sn --video match.mp4 -o damaged.json");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let said = ran.stderr;
     assert!(
         said.contains("2 of 12 files have no camera that can be read: camera_match_000007.json ("),
         "{said}"

@@ -193,10 +193,14 @@ fn published_homographies_come_in_are_fitted_go_out_and_come_back() {
         lines.push('\n');
     }
     fs::write(folder.path().join("published.jsonl"), lines).unwrap();
-    run(
+    // Of the 34, three are 2 to 3 px off every camera, which is said and makes them drafts.
+    let ran = touchline(
         folder.path(),
         "import published.jsonl --format homography --size 1280x720 -o fitted.json",
     );
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let misfits = ran.stderr.matches("the frame is a draft").count();
+    assert_eq!(misfits, 3, "{}", ran.stderr);
     let (_, fitted, _) = read(&folder.path().join("fitted.json")).unwrap();
     assert_eq!(fitted.frames.len(), usable.len());
     // A camera with square pixels has fewer parameters than a homography: as far apart as the
@@ -285,10 +289,16 @@ fn real_clicks_go_out_to_other_tools_and_come_back_equal() {
             ("labelme", "labelme", 1e-9),
             ("label-studio", "ls.json", 1e-6),
         ] {
+            // YOLO writes a point outside of the picture as one that is not seen.
+            let outside = if format == "yolo-pose" {
+                ""
+            } else {
+                "--outside keep"
+            };
             let out = touchline(
                 folder.path(),
                 &format!(
-                    "export {} --format {format} --outside keep -o {name}",
+                    "export {} --format {format} {outside} -o {name}",
                     source.display()
                 ),
             );

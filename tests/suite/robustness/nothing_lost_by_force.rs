@@ -7,11 +7,26 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
-use touchline::exchange::Format;
+use touchline::exchange::{Direction, Format, FormatOption};
 
-/// What formats ask for.
-const OPTIONS: &str = "--projected --fps 25 --sensor-mm 9.59 --match-id m --start-time 2026-03-01T18:59:30Z \
-                       --perspective broadcast";
+/// The options that formats may want, with a value.
+const OPTIONS: [(FormatOption, &str); 6] = [
+    (FormatOption::Projected, ""),
+    (FormatOption::Fps, "25"),
+    (FormatOption::SensorMm, "9.59"),
+    (FormatOption::MatchId, "m"),
+    (FormatOption::StartTime, "2026-03-01T18:59:30Z"),
+    (FormatOption::Perspective, "broadcast"),
+];
+
+/// Those of them that a format takes, as arguments.
+fn options_of(format: Format) -> String {
+    let taken = OPTIONS
+        .iter()
+        .filter(|(option, _)| format.takes(*option, Direction::Export));
+    let taken = taken.map(|(option, value)| format!("--{} {value} ", option.name()));
+    taken.collect()
+}
 
 /// A drawn match in `match`.
 fn drawn_match() -> TempDir {
@@ -98,8 +113,9 @@ fn an_export_of_every_format_leaves_what_it_did_not_write() {
             &[""]
         };
         for takes in takes {
+            let options = options_of(format);
             let export =
-                format!("export match/truth.json --format {format} {OPTIONS} {takes} --force -o");
+                format!("export match/truth.json --format {format} {options} {takes} --force -o");
             for victim in VICTIMS {
                 assert_nothing_lost(folder.path(), victim, &format!("{export} {victim}"));
                 assert_nothing_lost(

@@ -39,7 +39,14 @@ pub fn track_clip(
         return track_readable(at, clip, field, reader, options, evidence, progress);
     };
     let num_readable = readable.frames.len();
-    let mut tracked = track_readable(at, &readable, field, reader, options, evidence, progress)?;
+    let mut tracked =
+        match track_readable(at, &readable, field, reader, options, evidence, progress) {
+            // What is known lies behind the picture that cannot be read, which is the reason.
+            Err(TrackClipError::NothingKnown { .. }) => {
+                return track_readable(at, clip, field, reader, options, evidence, progress);
+            }
+            tracked => tracked?,
+        };
     let places = clip.frames[num_readable..].iter();
     let missed = places.filter_map(|frame| frame.place).filter(|place| {
         let frame = at.document.frames.get(*place);

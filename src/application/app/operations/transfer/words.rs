@@ -7,12 +7,15 @@ use touchline_documents::exchange::{ExchangeError, JoinedImport};
 
 /// Options of the command line in error messages, and their names in the dialog. Replaced in this
 /// order; of two with the same beginning the longer one must come first.
-const OPTIONS: [(&str, &str); 22] = [
+const OPTIONS: [(&str, &str); 25] = [
     (
         "give a --map file with them, or --skip-unmapped",
         "choose what labels are, or leave out others",
     ),
     (" (--images FOLDER)", ""),
+    ("give --images FOLDER", "choose the folder of the pictures"),
+    (" (--size)", ""),
+    ("give --map ", "choose what labels are: "),
     ("; --size WIDTHxHEIGHT gives another", ""),
     ("--size WIDTHxHEIGHT or --images FOLDER", "the picture size"),
     ("--size WIDTHxHEIGHT", "the picture size"),
