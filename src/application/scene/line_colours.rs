@@ -61,7 +61,7 @@ pub struct Sport {
     pub colour: [u8; 3],
 }
 
-/// All sports whose lines have a colour of their own; see [`COLOURED_ALIKE`] for the others.
+/// All sports whose lines have a colour of their own.
 pub const SPORTS: [Sport; 8] = [
     sport("soccer", "Soccer", Ground::Turf, YELLOW),
     sport(

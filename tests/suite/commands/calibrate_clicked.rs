@@ -34,7 +34,7 @@ fn four_clicks_in_one_frame_label_the_whole_clip() {
         frame.clicks.clear();
     }
     clicked.frames[0].clicks = four_corners(visible_landmarks(&truth, 0));
-    save(&folder.join("clicked.json"), &clicked);
+    save(folder.join("clicked.json"), &clicked);
 
     let ran = touchline(&folder, "calibrate clicked.json -o labelled");
     assert_eq!(ran.code, 0, "{}", ran.stderr);

@@ -51,7 +51,7 @@ fn the_ends_show_a_length_that_is_a_metre_off_in_key_frames_of_the_middle() {
         }
     }
     assert!((30..42).contains(&tracked_only.len()), "{tracked_only:?}");
-    save(&folder.join("asked.json"), &asked);
+    save(folder.join("asked.json"), &asked);
 
     let ran = touchline(&folder, "track asked.json -o tracked.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);

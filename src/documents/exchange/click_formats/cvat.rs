@@ -248,7 +248,7 @@ pub(in crate::exchange) fn parse_annotations(text: &str) -> Result<Xml<'_>, Prob
 }
 
 /// The names of the tasks of a project, by their ids.
-fn task_names<'a>(root: Element<'a>) -> BTreeMap<&'a str, &'a str> {
+fn task_names(root: Element<'_>) -> BTreeMap<&str, &str> {
     let tasks = root
         .descendants()
         .filter(|element| element.has_tag_name("task"));

@@ -54,19 +54,18 @@ fn read_table(
     for row in table.rows() {
         let name = row.text("frame").ok_or_else(|| row.missing("frame"))?;
         let name = picture_path(name, reading.options)?;
-        let index = match at.get(&name) {
-            Some(index) => *index,
-            None => {
-                let own = size_of(&row)?.or_else(|| (reading.sizes)(&name));
-                at.insert(name.clone(), frames.len());
-                frames.push(LabelledFrame {
-                    size: size_or_option(&name, own, reading.options)?,
-                    image: Some(name.clone()),
-                    name,
-                    marks: Vec::new(),
-                });
-                frames.len() - 1
-            }
+        let index = if let Some(index) = at.get(&name) {
+            *index
+        } else {
+            let own = size_of(&row)?.or_else(|| (reading.sizes)(&name));
+            at.insert(name.clone(), frames.len());
+            frames.push(LabelledFrame {
+                size: size_or_option(&name, own, reading.options)?,
+                image: Some(name.clone()),
+                name,
+                marks: Vec::new(),
+            });
+            frames.len() - 1
         };
         let read = mark_of(&row, pixels.to_corner_px());
         let frame = &mut frames[index];
