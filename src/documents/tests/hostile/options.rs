@@ -120,7 +120,7 @@ fn set_reading(option: FormatOption, options: &mut ImportOptions) {
         FormatOption::Map => options.map = LabelMap::Roboflow32Captions,
         FormatOption::SkipUnmapped => options.skip_unmapped = true,
         FormatOption::Annotator => options.annotator = Some("nobody".to_owned()),
-        FormatOption::Field => options.field.template = "basketball_nba".to_owned(),
+        FormatOption::Field => "basketball_nba".clone_into(&mut options.field.template),
         FormatOption::Set => {
             options.field.params.insert("length_m".to_owned(), 20.0);
         }
