@@ -5,7 +5,7 @@ use super::export::parse_finite;
 use crate::cli::terminal::document::refuse_unwritable;
 use crate::cli::terminal::messages::{Messages, count_steps};
 use crate::cli::terminal::output::{refuse_existing, refuse_file};
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{bail, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{
@@ -174,13 +174,8 @@ fn add_new_images(args: &NewArgs, messages: Messages) -> anyhow::Result<Option<O
 /// # Errors
 /// The template does not exist or does not accept a parameter.
 pub(super) fn read_field(template: &str, params: &[(String, f64)]) -> anyhow::Result<FieldSpec> {
-    let mut field = FieldSpec::with_params(template, params.iter().cloned().collect());
-    if field.is_file() {
-        let path = std::path::absolute(template)?;
-        path.to_str()
-            .context("the template's path is not UTF-8; rename it")?
-            .clone_into(&mut field.template);
-    }
+    let params = params.iter().cloned().collect();
+    let field = FieldSpec::with_params(template, params).with_absolute_path()?;
     // Built only to find mistakes before any frame is read.
     field.model(Path::new(""))?;
     Ok(field)

@@ -4,7 +4,7 @@
 use super::Outcome;
 use super::export::parse_finite;
 use super::solve::{DecidedArg, solve_and_report};
-use super::track::track_and_report;
+use super::track::{describe_renamed, track_and_report};
 use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
 use crate::cli::terminal::messages::Messages;
 use clap::ValueEnum;
@@ -240,7 +240,7 @@ fn carry_few(
         }
         // The estimate that follows says why the clicks give no base.
         match give_first_base(document, folder, camera, options) {
-            Ok(Some(names)) => messages.note(&format!("{camera}: {names}; they are renamed")),
+            Ok(Some(names)) => messages.note(&describe_renamed(camera, &names)),
             Ok(None) => {}
             Err(_) => continue,
         }

@@ -9,7 +9,8 @@ use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{
-    BasePaintEvidence, ClipProgress, ClipSpan, LengthOnLines, TrackClipOptions, TrackedClip, clips,
+    BasePaintEvidence, ClipProgress, ClipSpan, EndNames, LengthOnLines, TrackClipOptions,
+    TrackedClip, clips,
 };
 use touchline_calibration::pipelines::{
     TrackedFrames, TrackingEvent, TrackingOptions, track_clips,
@@ -188,7 +189,7 @@ impl TrackingReport {
                 self.bar.of("Refining the base on painted lines", 1);
             }
             TrackingEvent::Renamed(camera, names) => {
-                messages.note(&format!("{camera}: {names}; they are renamed"));
+                messages.note(&describe_renamed(&camera, &names));
             }
             TrackingEvent::Tracked(clip, tracked) => report_tracked(&clip, &tracked, messages),
             TrackingEvent::Failed(clip, error) => {
@@ -223,6 +224,11 @@ fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
         }
         ClipProgress::Adjusting => bar.set_message("Adjusting"),
     }
+}
+
+/// That clicks of a camera, which were named as they look from behind an end, have other names now.
+pub fn describe_renamed(camera: &CameraId, names: &EndNames) -> String {
+    format!("{camera}: {names}; they are renamed")
 }
 
 /// The name of a clip: its first and its last picture.

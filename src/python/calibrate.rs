@@ -65,13 +65,7 @@ pub fn calibrate(
             "look_at: 3 to 300 frames are possible",
         ));
     }
-    let mut field = FieldSpec::with_params(field, params.unwrap_or_default());
-    if field.is_file() {
-        let path = std::path::absolute(&field.template)?;
-        path.to_str()
-            .ok_or_else(|| Error::new_err("the template's path is not UTF-8; rename it"))?
-            .clone_into(&mut field.template);
-    }
+    let field = FieldSpec::with_params(field, params.unwrap_or_default()).with_absolute_path()?;
     // Built only to find mistakes in the parameters before the pictures are read.
     field.model(Path::new("")).map_err(failure)?;
     let options = MatchOptions {

@@ -12,10 +12,9 @@ use crate::features::{DESCRIPTOR_BYTES, Descriptor, Features, Keypoint};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::ImagePoint;
+pub use touchline_core::testing::HD as SIZE;
 use touchline_core::testing::base_at;
-
-pub const SIZE: ImageSize = ImageSize::new(1280, 720);
 
 /// Where the camera stands.
 pub fn base() -> CameraBase {

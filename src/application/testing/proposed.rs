@@ -3,7 +3,6 @@
 use super::base;
 use touchline_calibration::proposals::{Answer, FrameRequest, Proposal, Timings};
 use touchline_core::camera::Ptz;
-use touchline_core::geometry::Mat3;
 use touchline_core::testing::SIZE;
 use touchline_documents::document::{
     Clip, Document, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
@@ -60,22 +59,8 @@ pub fn proposal_in(
     let outcome = match pan_deg {
         Some(pan_deg) => Ok(Answer {
             ptz: FramePtz::new(Ptz::from_degrees(pan_deg, -14.0, 2300.0), None),
-            covariance: Mat3::identity(),
-            own_covariance: Mat3::identity(),
-            rms_px: 1.0,
-            worst_corner_sigma_px: 2.0,
-            confidence: 0.9,
             inliers: 100,
-            places: 20,
-            evidence: touchline_vision::relocalize::Evidence {
-                breadth_px: 200.0,
-                features_sigma_px: 0.5,
-                labelled_sigma_px: 2.0,
-                from_reference: touchline_vision::relocalize::FromReference::default(),
-                at_most: 1.0,
-            },
-            line_check: None,
-            samples: None,
+            ..Answer::at_pan(pan_deg, 0.9)
         }),
         None => Err(NotFound::FewMatches {
             matched: 3,

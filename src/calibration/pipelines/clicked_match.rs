@@ -9,19 +9,20 @@
 //! The paint judges what the clicks say: where the tracked frames do not lie on it, nothing is
 //! answered, and the search of [`label_match`](super::label_match) follows.
 
-use super::forest_labels::{ForestRequest, PictureFiles, label_frames, learn_forest};
+use super::forest_labels::PictureFiles;
 use super::match_labels::{
-    LabelMatchError, LabelledMatch, Labelling, MatchEvent, frames_without_camera,
+    LabelMatchError, LabelledMatch, Labelling, MatchEvent, frames_without_camera, has_video,
+    learn_from_frames, query_forest,
 };
 use super::track_clips::{
     TrackingEvent, TrackingOptions, give_first_base, mean_confidence, track_clips,
 };
 use crate::calibrate::{ClipEvidence, ClipFrames, clips};
-use crate::proposals::{FeatureStore, FramePictures, LearnOptions};
+use crate::proposals::FeatureStore;
 use touchline_core::geometry::subsample;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{Camera, CameraId, Document, Frame, FrameStatus};
-use touchline_vision::relocalize::{CERTAIN, RelocalizeOptions};
+use touchline_vision::relocalize::CERTAIN;
 
 /// Minimum mean confidence of the tracked frames. Where the clicks give a wrong base, the paint
 /// contradicts most of them.
@@ -62,16 +63,8 @@ impl Labelling<'_> {
         if self.label_other_shots(&mut trial)? {
             self.track(&mut trial, &clips, false, &mut evidence)?;
         }
-        let answered = open
-            .iter()
-            .filter(|&&index| trial.frames[index].ptz.is_some());
-        let labelled = LabelledMatch {
-            cameras: Vec::new(),
-            answered: answered.count(),
-            unanswered: frames_without_camera(&trial).len(),
-        };
-        let is_video = trial.frames.iter().any(|frame| frame.video.is_some());
-        if !is_video && labelled.unanswered > labelled.answered {
+        let labelled = LabelledMatch::count(&trial, Vec::new(), &open);
+        if !has_video(&trial) && labelled.unanswered > labelled.answered {
             return Ok(None);
         }
         *self.document = trial;
@@ -118,45 +111,29 @@ impl Labelling<'_> {
         if open.is_empty() || self.progress.is_cancelled() {
             return Ok(false);
         }
-        // The forest learns from references, so the certain frames are references in a copy.
-        let mut accepted = document.clone();
         let certain =
-            (0..accepted.frames.len()).filter(|&index| is_certain(&accepted.frames[index]));
+            (0..document.frames.len()).filter(|&index| is_certain(&document.frames[index]));
         let learnt: Vec<usize> = subsample(certain.collect::<Vec<_>>(), MAX_LEARNT).collect();
-        for &index in &learnt {
-            accepted.frames[index].status = FrameStatus::Reference;
-        }
-        let (store, options) = (FeatureStore::in_memory(), LearnOptions::default());
-        let pictures = FramePictures {
-            document: &accepted,
-            folder: self.folder,
-            options: options.features,
-            store: &store,
-        };
-        let progress = self.progress.part(MatchEvent::Learning);
-        let Some(forest) = learn_forest(&pictures, self.reader, &learnt, &options, &progress)?
-        else {
+        if learnt.is_empty() {
             return Ok(false);
-        };
-        let request = ForestRequest {
-            model: &forest.model,
-            generation: 0,
-            options: RelocalizeOptions::default(),
+        }
+        let store = FeatureStore::in_memory();
+        let at = document.at(self.folder);
+        let progress = self.progress.part(MatchEvent::Learning);
+        let Some(forest) = learn_from_frames(at, &learnt, self.reader, &store, &progress)? else {
+            return Ok(false);
         };
         let files = PictureFiles {
             folder: self.folder,
             store: &store,
         };
-        let of = open.len();
-        let progress = self.progress.part(|done| MatchEvent::Asking { done, of });
-        label_frames(
+        query_forest(
             document,
             files,
             self.reader,
             &open,
-            &request,
-            true,
-            &progress,
+            &forest.model,
+            self.progress,
         )?;
         Ok(open
             .iter()

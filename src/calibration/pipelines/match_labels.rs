@@ -31,7 +31,7 @@ use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, Document, DocumentAt, FrameStatus};
 use touchline_vision::media::ReadFrames;
-use touchline_vision::relocalize::RelocalizeOptions;
+use touchline_vision::relocalize::{ForestModel, RelocalizeOptions};
 
 /// Options of labelling a match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -213,6 +213,25 @@ pub struct LabelledMatch {
     pub unanswered: usize,
 }
 
+impl LabelledMatch {
+    /// The cameras of a match with the counts of its frames, of which `open` had none at first.
+    pub(super) fn count(
+        document: &Document,
+        cameras: Vec<Arc<AutocalibratedCamera>>,
+        open: &[usize],
+    ) -> Self {
+        // Counted frame by frame, and not as a difference of two counts: a refined base may also
+        // take the camera from a frame that had one.
+        let frames = &document.frames;
+        let answered = open.iter().filter(|&&index| frames[index].ptz.is_some());
+        Self {
+            cameras,
+            answered: answered.count(),
+            unanswered: frames_without_camera(document).len(),
+        }
+    }
+}
+
 /// Why a match could not be labelled.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -273,15 +292,8 @@ pub fn label_match(
     if options.label_the_rest && !open.is_empty() {
         labelling.label_the_rest(&cameras)?;
     }
-    // Counted frame by frame, and not as a difference of two counts: a refined base may also take
-    // the camera from a frame that had one.
-    let frames = &labelling.document.frames;
-    let answered = open.iter().filter(|&&index| frames[index].ptz.is_some());
-    Ok(MatchLabels::Labelled(LabelledMatch {
-        cameras,
-        answered: answered.count(),
-        unanswered: frames_without_camera(labelling.document).len(),
-    }))
+    let labelled = LabelledMatch::count(labelling.document, cameras, &open);
+    Ok(MatchLabels::Labelled(labelled))
 }
 
 /// The indices of a document's frames that have no camera, without rejected ones: a person decided
@@ -315,9 +327,24 @@ pub fn learn_from_found(
         .map(|frame| frame.index)
         .collect();
     on_paint.sort_unstable();
+    learn_from_frames(at, &on_paint, reader, store, progress)
+}
+
+/// Trains a forest on frames of a document, as if the user had accepted them; in the document they
+/// stay what they are. None if `progress` cancelled it.
+///
+/// # Errors
+/// As [`learn_from_found`].
+pub(super) fn learn_from_frames(
+    at: DocumentAt<'_>,
+    frames: &[usize],
+    reader: &mut dyn ReadFrames,
+    store: &FeatureStore,
+    progress: &Progress<'_, LearningProgress>,
+) -> Result<Option<LearntForest>, LearnForestError> {
     // Training uses references, so mark these frames as such in a copy.
     let mut accepted = at.document.clone();
-    for &index in &on_paint {
+    for &index in frames {
         accepted.frames[index].status = FrameStatus::Reference;
     }
     let options = LearnOptions::default();
@@ -327,7 +354,36 @@ pub fn learn_from_found(
         options: options.features,
         store,
     };
-    learn_forest(&pictures, reader, &on_paint, &options, progress)
+    learn_forest(&pictures, reader, frames, &options, progress)
+}
+
+/// Queries a forest for frames of a document and aligns the answers to their paint.
+///
+/// # Errors
+/// A field of the document is not valid.
+pub(super) fn query_forest(
+    document: &mut Document,
+    files: PictureFiles<'_>,
+    reader: &mut dyn ReadFrames,
+    frames: &[usize],
+    model: &ForestModel,
+    progress: &Progress<'_, MatchEvent>,
+) -> Result<(), FieldError> {
+    // There is one forest, so its generation distinguishes nothing.
+    let forest = ForestRequest {
+        model,
+        generation: 0,
+        options: RelocalizeOptions::default(),
+    };
+    let of = frames.len();
+    let progress = progress.part(|done| MatchEvent::Asking { done, of });
+    label_frames(document, files, reader, frames, &forest, true, &progress)?;
+    Ok(())
+}
+
+/// Whether some frames are of a video. Others can be tracked only if they are a sequence.
+pub(super) fn has_video(document: &Document) -> bool {
+    document.frames.iter().any(|frame| frame.video.is_some())
 }
 
 /// The state while a match is labelled.
@@ -437,12 +493,7 @@ impl Labelling<'_> {
         &mut self,
         found: &[Arc<AutocalibratedCamera>],
     ) -> Result<(), LabelMatchError> {
-        if self
-            .document
-            .frames
-            .iter()
-            .all(|frame| frame.video.is_none())
-        {
+        if !has_video(self.document) {
             return self.label_by_forest(found);
         }
         // The base comes from the sampled frames only, so refine it on all of them.
@@ -478,30 +529,18 @@ impl Labelling<'_> {
         else {
             return Ok(());
         };
-        // Query it for the frames without a camera, and align the answers to their paint.
         let open = frames_without_camera(self.document);
-        // There is one forest, so its generation distinguishes nothing.
-        let forest = ForestRequest {
-            model: &learnt.model,
-            generation: 0,
-            options: RelocalizeOptions::default(),
-        };
         let files = PictureFiles {
             folder: self.folder,
             store: &store,
         };
-        let progress = self.progress.part(|done| MatchEvent::Asking {
-            done,
-            of: open.len(),
-        });
-        label_frames(
+        query_forest(
             self.document,
             files,
             self.reader,
             &open,
-            &forest,
-            true,
-            &progress,
+            &learnt.model,
+            self.progress,
         )?;
         Ok(())
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use touchline_core::camera::{AngularDistance, Ptz};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, PixelBox};
-use touchline_vision::media::FrameRef;
+use touchline_vision::media::{FrameRef, MediaError};
 use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
 
 /// The points that were tracked through a clip's pictures, and the paint that was found in them.
@@ -15,7 +15,7 @@ use touchline_vision::track::{ClipCamera, FollowOptions, PointTracks};
 pub struct ClipEvidence {
     followed: Option<Followed>,
     /// Why no more pictures of the clip could be read than points were tracked through.
-    unreadable: Option<String>,
+    unreadable: Option<MediaError>,
     /// The camera and the field with which the paint was found.
     seen_with: Option<(ClipCamera, FieldModel)>,
     paint: BTreeMap<usize, CameraPaintVerdict>,
@@ -108,7 +108,7 @@ impl ClipEvidence {
         mut pictures: FollowedPictures,
         masks: &[Vec<PixelBox>],
         tracks: PointTracks,
-        why: String,
+        why: MediaError,
     ) {
         pictures.sources.truncate(tracks.frames);
         let masks = masks[..tracks.frames].to_vec();
@@ -117,7 +117,7 @@ impl ClipEvidence {
     }
 
     /// The first frames of a clip if no more of it could be read, and why.
-    pub(super) fn readable_part(&self, clip: &ClipFrames) -> Option<(ClipFrames, String)> {
+    pub(super) fn readable_part(&self, clip: &ClipFrames) -> Option<(ClipFrames, MediaError)> {
         let sources = &self.followed.as_ref()?.pictures.sources;
         let first = clip.frames.get(..sources.len())?;
         let is_same = first.iter().map(|frame| &frame.source).eq(sources);

@@ -101,7 +101,7 @@ impl ClipPictures<'_> {
         }
         let (tracks, unreadable) = self.follow_afresh(reader, options, &masks, progress)?;
         if let Some(error) = unreadable {
-            evidence.begin_readable(pictures, &masks, tracks, error.to_string());
+            evidence.begin_readable(pictures, &masks, tracks, error.clone());
             return Err(error.into());
         }
         evidence.begin(pictures, masks, tracks.clone());

@@ -28,23 +28,19 @@ pub fn track_clip(
     evidence: &mut ClipEvidence,
     progress: &Progress<'_, ClipProgress>,
 ) -> Result<TrackedClip, TrackClipError> {
-    if evidence.readable_part(clip).is_none() {
+    let Some((readable, why)) = evidence.readable_part(clip) else {
         let tracked = track_readable(at, clip, field, reader, options, evidence, progress);
-        // Where reading failed part of the way, the points up to there are in the evidence.
-        if !matches!(tracked, Err(TrackClipError::Media(_))) {
+        if evidence.readable_part(clip).is_none() {
             return tracked;
         }
-    }
-    let Some((readable, why)) = evidence.readable_part(clip) else {
-        return track_readable(at, clip, field, reader, options, evidence, progress);
+        // Reading failed part of the way, and the points up to there are in the evidence now.
+        return track_clip(at, clip, field, reader, options, evidence, progress);
     };
     let num_readable = readable.frames.len();
     let mut tracked =
         match track_readable(at, &readable, field, reader, options, evidence, progress) {
             // What is known lies behind the picture that cannot be read, which is the reason.
-            Err(TrackClipError::NothingKnown { .. }) => {
-                return track_readable(at, clip, field, reader, options, evidence, progress);
-            }
+            Err(TrackClipError::NothingKnown { .. }) => return Err(why.into()),
             tracked => tracked?,
         };
     let places = clip.frames[num_readable..].iter();
@@ -53,6 +49,6 @@ pub fn track_clip(
         frame.is_some_and(|frame| frame.is_open() && frame.ptz.is_none())
     });
     tracked.missed.extend(missed);
-    tracked.unreadable = Some(why);
+    tracked.unreadable = Some(why.to_string());
     Ok(tracked)
 }

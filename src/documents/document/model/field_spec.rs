@@ -6,6 +6,7 @@ use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 use touchline_core::field::{FieldError, FieldModel, Template, builtin, template_named};
 
@@ -81,6 +82,23 @@ impl FieldSpec {
         Path::new(&self.template)
             .extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+    }
+
+    /// The same with the path of a template file, given relative to the working directory, made
+    /// absolute.
+    ///
+    /// # Errors
+    /// There is no working directory, or its path is not UTF-8.
+    pub fn with_absolute_path(mut self) -> io::Result<Self> {
+        if self.is_file() {
+            let path = std::path::absolute(&self.template)?;
+            let path = path.to_str().ok_or_else(|| {
+                let why = "the template's path is not UTF-8; rename it";
+                io::Error::new(io::ErrorKind::InvalidInput, why)
+            })?;
+            path.clone_into(&mut self.template);
+        }
+        Ok(self)
     }
 
     /// The height of the middle above the touchlines, m.

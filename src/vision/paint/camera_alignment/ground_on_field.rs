@@ -7,6 +7,7 @@
 //!
 //! [`Surface`]: crate::paint::Surface
 
+use super::unexplained::on_field;
 use crate::paint::GroundPicture;
 use std::borrow::Cow;
 use touchline_core::camera::PtzCamera;
@@ -69,7 +70,6 @@ impl FieldColours {
     fn inside(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera) -> Self {
         let size = ground.size();
         let step = (SPACING_PX * size.scale_from_1920()).round().max(2.0) as usize;
-        let (half_length_m, half_width_m) = (field.length_m / 2.0, field.width_m / 2.0);
         let mut found = Self {
             all: 0,
             smooth: Vec::new(),
@@ -78,10 +78,7 @@ impl FieldColours {
         for y in (margin..size.height.saturating_sub(margin)).step_by(step) {
             for x in (margin..size.width.saturating_sub(margin)).step_by(step) {
                 let at = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-                let is_inside = camera.plane_from_image(at, 0.0).is_some_and(|place| {
-                    place.x.abs() <= half_length_m && place.y.abs() <= half_width_m
-                });
-                if !is_inside || ground.is_masked(at) {
+                if on_field(camera, field, at).is_none() || ground.is_masked(at) {
                     continue;
                 }
                 found.all += 1;

@@ -100,7 +100,7 @@ fn middles(length: f64, piece: f64) -> impl Iterator<Item = f64> {
 }
 
 /// The point of the playing area that a pixel shows, m.
-fn on_field(camera: &PtzCamera, field: &FieldModel, at: ImagePoint) -> Option<Vec3> {
+pub(super) fn on_field(camera: &PtzCamera, field: &FieldModel, at: ImagePoint) -> Option<Vec3> {
     let place = camera.plane_from_image(at, 0.0)?;
     (place.x.abs() <= field.length_m / 2.0 && place.y.abs() <= field.width_m / 2.0).then_some(place)
 }

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt::{self, Display, Formatter};
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
-use touchline_core::solve::base::{BaseOptions, FrameClicks};
+use touchline_core::solve::base::{BaseError, BaseOptions, FrameClicks};
 use touchline_documents::document::{CameraId, Document, Frame, Target};
 
 /// Names as they look are wrong if they leave the clicks this far off, median, px at 1920 px width,
@@ -60,6 +60,8 @@ impl BaseProblem {
                 let median_px = found.estimate.median_px;
                 (median_px > least_px).then_some(MAX_SHARE * median_px)?
             }
+            // Whoever cancelled the estimation does not wait for two others.
+            Err(BaseEstimationError::Base(BaseError::Stopped)) => return None,
             Err(BaseEstimationError::Base(_)) => MIN_MEDIAN_PX * self.image_size.scale_from_1920(),
             Err(_) => return None,
         };
