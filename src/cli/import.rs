@@ -50,6 +50,10 @@ pub struct ImportArgs {
     /// rescaled.
     #[arg(long, value_parser = parse_size)]
     size: Option<ImageSize>,
+    /// The size that the pictures had before they were stretched to that of the labels, such as
+    /// 1280x720.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    stretched_from: Option<ImageSize>,
     /// Where pixels are counted from, where the format leaves it open.
     #[arg(long, value_parser = ["corner", "centre"])]
     pixels: Option<String>,
@@ -91,6 +95,7 @@ impl ImportArgs {
             (FormatOption::Zoom, self.zoom.is_some()),
             (FormatOption::SensorMm, self.sensor_mm.is_some()),
             (FormatOption::EachOwnCamera, self.each_own_camera),
+            (FormatOption::StretchedFrom, self.stretched_from.is_some()),
         ])
     }
 }
@@ -160,6 +165,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         field: read_field(field, &args.set)?,
         images: args.images.clone(),
         size: args.size,
+        stretched_from: args.stretched_from,
         // The video is opened before the files are read: some formats state no size of their
         // pictures.
         video_size: video.as_ref().map(|video| video.size),

@@ -28,6 +28,7 @@ mod season;
 mod snap;
 mod solve;
 mod split;
+mod stretched;
 mod terminal;
 mod track;
 mod train;

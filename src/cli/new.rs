@@ -1,13 +1,14 @@
 //! `touchline new`: makes a project from a folder of images or a video.
 
 use super::Outcome;
-use super::export::parse_finite;
+use super::export::{parse_finite, parse_size};
+use super::stretched::write_unstretched;
 use crate::cli::terminal::document::refuse_unwritable;
 use crate::cli::terminal::messages::{Messages, count_steps};
 use crate::cli::terminal::output::{refuse_existing, refuse_file};
 use anyhow::{bail, ensure};
 use std::path::{Path, PathBuf};
-use touchline_core::geometry::pluralise;
+use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_documents::document::{
     FieldSpec, FolderChanges, Frame, Step, document_from_frames, resolve_path,
 };
@@ -35,6 +36,10 @@ pub struct NewArgs {
     /// Take every n-th frame only.
     #[arg(long, value_name = "N", default_value = "1", value_parser = parse_stride)]
     every: std::num::NonZeroUsize,
+    /// The images were stretched to another proportion: write them into the project's folder as
+    /// they were before, in this size, such as 1280x720.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    stretched_from: Option<ImageSize>,
     /// Make the project even if the folder is not empty; an existing project.json is kept as
     /// project.json.bak.
     #[arg(long)]
@@ -82,6 +87,10 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     );
     // The document names its frames relative to this folder, which need not exist yet.
     let folder = std::path::absolute(&args.folder)?;
+    let source = match args.stretched_from {
+        Some(size) => write_unstretched(&source, size, &folder.join("images"), messages)?,
+        None => source,
+    };
     let bar = messages.progress(source.len().div_ceil(args.every.get()), "Reading frames");
     let made = document_from_frames(&source, &folder, field, args.every, &count_steps(&bar));
     bar.finish_and_clear();
@@ -110,7 +119,9 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
 /// Adds the images that came to the folder since the project was made of it, where that is what the
 /// arguments name; nothing else of the project changes. None if they name something else.
 fn add_new_images(args: &NewArgs, messages: Messages) -> anyhow::Result<Option<Outcome>> {
-    let may_be_it = args.folder.join(PROJECT_FILE).is_file() && args.frames.is_dir();
+    let may_be_it = args.folder.join(PROJECT_FILE).is_file()
+        && args.frames.is_dir()
+        && args.stretched_from.is_none();
     if !may_be_it || args.force || args.every.get() > 1 {
         return Ok(None);
     }

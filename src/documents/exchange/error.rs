@@ -134,6 +134,23 @@ pub enum ExchangeError {
         /// The picture's.
         picture: ImageSize,
     },
+    /// A picture is stretched as its labels are, and only these are to be brought back.
+    #[error(
+        "the picture of {frame:?} in {} is stretched to {} × {} px, too; write the pictures in \
+         their own proportion with `touchline new PROJECT --frames FOLDER --stretched-from {}x{}`, \
+         and give --images PROJECT/images",
+        folder.display(), stretched.width, stretched.height, size.width, size.height
+    )]
+    StretchedPicture {
+        /// The frame.
+        frame: String,
+        /// The folder of the pictures.
+        folder: PathBuf,
+        /// The size of the picture that is there.
+        stretched: ImageSize,
+        /// The size that it had before.
+        size: ImageSize,
+    },
     /// There are too many files, or they are too large together.
     #[error("{} contains more than {limit}; import a part of it", path.display())]
     TooMuch {

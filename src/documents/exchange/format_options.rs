@@ -61,12 +61,14 @@ pub enum FormatOption {
     Set,
     /// A camera for each picture.
     EachOwnCamera,
+    /// The size of the pictures before they were stretched.
+    StretchedFrom,
 }
 
 use FormatOption::{
     Annotator, Automated, EachOwnCamera, Field, Fps, Images, Interpolate, Map, MatchId, Names,
     Outside, Perspective, Pixels, Projected, Rotations, SensorMm, Set, Size, SkipUnmapped,
-    StageHeading, StageOrigin, Start, StartTime, Takes, Undistorted, Variant, Zoom,
+    StageHeading, StageOrigin, Start, StartTime, StretchedFrom, Takes, Undistorted, Variant, Zoom,
 };
 
 /// What every export of cameras takes.
@@ -89,6 +91,7 @@ pub(super) const LABELS_IN: &[FormatOption] = &[
     Map,
     SkipUnmapped,
     EachOwnCamera,
+    StretchedFrom,
 ];
 
 /// Whether files are written or read.
@@ -102,7 +105,7 @@ pub enum Direction {
 
 impl FormatOption {
     /// Every option.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 28] = [
         Size,
         Variant,
         Undistorted,
@@ -130,6 +133,7 @@ impl FormatOption {
         Field,
         Set,
         EachOwnCamera,
+        StretchedFrom,
     ];
 
     /// Its name on the command line, behind two hyphens.
@@ -163,6 +167,7 @@ impl FormatOption {
             Field => "field",
             Set => "set",
             EachOwnCamera => "each-own-camera",
+            StretchedFrom => "stretched-from",
         }
     }
 }

@@ -144,6 +144,9 @@ pub struct ImportOptions {
     pub images: Option<PathBuf>,
     /// The size of the pictures, where neither the file nor an image gives it.
     pub size: Option<ImageSize>,
+    /// The size that the pictures had before they were stretched to that of the labels; none: they
+    /// were not.
+    pub stretched_from: Option<ImageSize>,
     /// The size of the frames of the video to which imported frames may be attached. It is used
     /// where there is no image and no [`size`](Self::size), if the cameras can be rescaled to it.
     pub video_size: Option<ImageSize>,
@@ -168,6 +171,7 @@ impl Default for ImportOptions {
             field: FieldSpec::new("soccer"),
             images: None,
             size: None,
+            stretched_from: None,
             video_size: None,
             pixels: None,
             map: LabelMap::default(),

@@ -168,6 +168,62 @@ fn new_makes_a_project_of_a_folder() {
     );
 }
 
+/// Sets for training networks stretch pictures to a square. Both the pictures and their labels are
+/// brought back, and only together.
+#[test]
+fn stretched_pictures_and_their_labels_get_their_own_proportion() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("square")).unwrap();
+    let shown = image::RgbImage::from_fn(64, 64, |x, _| image::Rgb([4 * x as u8, 90, 90]));
+    for name in ["a.jpg", "b.png"] {
+        shown.save(folder.path().join("square").join(name)).unwrap();
+    }
+    let table = "frame,label,x,y\na.jpg,centre_mark,32,16\n";
+    fs::write(folder.path().join("points.csv"), table).unwrap();
+    let import = |images: &str, to: &str| {
+        let options = "--size 64x64 --stretched-from 128x72";
+        touchline(
+            folder.path(),
+            &format!("import points.csv --images {images} {options} -o {to}"),
+        )
+    };
+    let refused = import("square", "refused.json");
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("touchline new"),
+        "{}",
+        refused.stderr
+    );
+
+    let new = "new match --frames square --field soccer --stretched-from 128x72";
+    let made = touchline(folder.path(), new);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let (_, document, _) = read(&folder.path().join("match")).unwrap();
+    let frames = document.frames.iter();
+    let frames: Vec<_> = frames
+        .map(|frame| (frame.image.as_deref().unwrap(), frame.image_size))
+        .collect();
+    let size = ImageSize::new(128, 72);
+    assert_eq!(frames, [("images/a.jpg", size), ("images/b.png", size)]);
+    let written = image::open(folder.path().join("match/images/b.png")).unwrap();
+    let written = written.into_rgb8();
+    assert_eq!(written.dimensions(), (128, 72));
+    assert!(written.get_pixel(64, 36)[0].abs_diff(126) < 4);
+
+    let read_back = import("match/images", "labels.json");
+    assert_eq!(read_back.code, 0, "{}", read_back.stderr);
+    let (_, document, _) = read(&folder.path().join("labels.json")).unwrap();
+    assert_eq!(document.frames[0].image_size, size);
+    let click = document.frames[0].clicks[0].image;
+    assert_eq!((click.x, click.y), (64.0, 18.0));
+
+    let again = touchline(
+        folder.path(),
+        &new.replace("match ", "other ").replace("square", "none"),
+    );
+    assert_eq!(again.code, 2, "{}", again.stderr);
+}
+
 #[test]
 fn new_again_adds_the_images_that_came_and_changes_nothing_else() {
     let folder = pictures();

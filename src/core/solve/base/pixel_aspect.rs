@@ -68,10 +68,10 @@ impl PixelAspect {
 impl fmt::Display for PixelAspect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ImageSize { width, height } = self.image_size;
-        let unscaled = f64::from(width) * self.value;
+        let unscaled = (f64::from(width) * self.value).round();
         write!(
             f,
-            "clicks and paint fit pixels that are {:.2} ± {:.2} times as wide as high, as if pictures of about {unscaled:.0} × {height} px had been scaled to {width} × {height}: the camera's height and all heights would be wrong by that factor, and are stated as uncertain. Take the pictures in their true proportion, or check the field's size",
+            "clicks and paint fit pixels that are {:.2} ± {:.2} times as wide as high, as if pictures of about {unscaled} × {height} px had been scaled to {width} × {height}: the camera's height and all heights would be wrong by that factor, and are stated as uncertain. Take the pictures in their true proportion, which `touchline new` and `touchline import` give back with --stretched-from {unscaled}x{height}, or check the field's size",
             self.value, self.sigma
         )
     }

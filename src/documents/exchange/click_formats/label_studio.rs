@@ -232,6 +232,7 @@ impl ClickFormat for LabelStudio {
                 FormatOption::SkipUnmapped,
                 FormatOption::Annotator,
                 FormatOption::EachOwnCamera,
+                FormatOption::StretchedFrom,
             ],
         }
     }

@@ -200,6 +200,7 @@ impl ClickFormat for SoccerNetLines {
                 FormatOption::Images,
                 FormatOption::Size,
                 FormatOption::EachOwnCamera,
+                FormatOption::StretchedFrom,
             ],
         }
     }

@@ -222,6 +222,7 @@ impl ClickFormat for YoloPose {
                 FormatOption::Map,
                 FormatOption::SkipUnmapped,
                 FormatOption::EachOwnCamera,
+                FormatOption::StretchedFrom,
             ],
         }
     }

@@ -17,7 +17,7 @@ use crate::exchange::syntax::values::shorten;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::ImagePoint;
+use touchline_core::geometry::{ImagePoint, ImageSize};
 
 /// The maximum distance of a point from the picture's corner, px. A picture has at most 65,535 px a
 /// side, so that a point this far away is a mistake, not one dragged beyond the border.
@@ -43,7 +43,13 @@ pub fn import_clicks(
     // Some formats state points as shares of the picture, so that its size is needed to read them.
     let reading = LabelReading {
         options: &options.with_any_size(),
-        sizes: &|name| image_of(name, &images).1,
+        sizes: &|name| match options.stretched_from {
+            None => image_of(name, &images).1,
+            // Pictures in their own proportion do not say the size that the labels are in; shares
+            // are the same in any.
+            Some(size) if click_format.has_shares_alone() => Some(size),
+            Some(_) => options.size,
+        },
     };
     let (mut frames, unread) = read_labels(click_format, &files, &reading)?;
     if frames.is_empty() {
@@ -55,6 +61,9 @@ pub fn import_clicks(
         let named = frame.image.as_deref().unwrap_or(&frame.name);
         if image_of(named, &images).1.is_none() {
             fit_to_options(frame, options, &mut rescaled)?;
+        }
+        if let Some(size) = options.stretched_from {
+            unstretch(frame, size, &images)?;
         }
     }
     let field = options.field.model(folder)?;
@@ -151,6 +160,34 @@ fn fit_to_options(
     }
     frame.size = size;
     rescaled.count(stated, size);
+    Ok(())
+}
+
+/// Moves the points of a frame to where its picture showed them before it was stretched.
+///
+/// # Errors
+/// The picture that is there is stretched as the labels are.
+fn unstretch(
+    frame: &mut LabelledFrame,
+    size: ImageSize,
+    images: &Path,
+) -> Result<(), ExchangeError> {
+    let stretched = frame.size;
+    let named = frame.image.as_deref().unwrap_or(&frame.name);
+    if stretched != size && image_of(named, images).1 == Some(stretched) {
+        return Err(ExchangeError::StretchedPicture {
+            frame: shorten(named),
+            folder: images.to_path_buf(),
+            stretched,
+            size,
+        });
+    }
+    let wider = f64::from(size.width) / f64::from(stretched.width);
+    let higher = f64::from(size.height) / f64::from(stretched.height);
+    for mark in &mut frame.marks {
+        mark.image = ImagePoint::new(mark.image.x * wider, mark.image.y * higher);
+    }
+    frame.size = size;
     Ok(())
 }
 
