@@ -38,6 +38,8 @@ pub const FIELDS: &[(&str, &str)] = &[
         include_str!("fields/beach_volleyball.json"),
     ),
     ("field_hockey", include_str!("fields/field_hockey.json")),
+    ("rugby_union", include_str!("fields/rugby_union.json")),
+    ("squash", include_str!("fields/squash.json")),
 ];
 
 /// The JSON Schema of documents.

@@ -4,7 +4,7 @@ use super::Outcome;
 use super::new::parameter;
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::{encode_png, ending, print, refuse_existing_file, write_file};
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,6 +14,7 @@ use touchline_application::render::{Layer, Offscreen, View};
 use touchline_application::scene::OverlayStyle;
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
 use touchline_application::scene::overlay::OverlayScene;
+use touchline_assets::FIELDS;
 use touchline_core::field::{
     Curve, FieldLine, FieldModel, Template, builtin, builtin_names, svg, template_named,
 };
@@ -38,6 +39,9 @@ pub struct FieldsArgs {
     /// Draw the named template from above, into an SVG or a PNG.
     #[arg(long, value_name = "FILE")]
     render: Option<PathBuf>,
+    /// Write the named built-in template as a file, to make one of your own of it.
+    #[arg(long, value_name = "FILE", requires = "name", conflicts_with_all = ["set", "render"])]
+    template: Option<PathBuf>,
     /// Replace an existing file.
     #[arg(long)]
     force: bool,
@@ -66,6 +70,9 @@ pub fn fields(args: &FieldsArgs, messages: Messages) -> anyhow::Result<Outcome> 
         list(&filled, messages)?;
         return Ok(Outcome::Done);
     };
+    if let Some(path) = &args.template {
+        return write_template(name, path, args.force, messages);
+    }
     let template = template_named(name, Path::new("."))?;
     // Without a crown: that belongs to a venue, not to a template.
     let field = template.model(&params, 0.0)?;
@@ -73,6 +80,31 @@ pub fn fields(args: &FieldsArgs, messages: Messages) -> anyhow::Result<Outcome> 
         Some(path) => render(&field, path, args.force)?,
         None => list(&[(&template, field)], messages)?,
     }
+    Ok(Outcome::Done)
+}
+
+/// Writes the file of a built-in template.
+fn write_template(
+    name: &str,
+    path: &Path,
+    force: bool,
+    messages: Messages,
+) -> anyhow::Result<Outcome> {
+    // A name that is not built in is refused with the list of those that are.
+    builtin(name)?;
+    ensure!(
+        ending(path) == "json",
+        "{}: a template is a file ending in .json",
+        path.display()
+    );
+    refuse_existing_file(path, force)?;
+    let text = FIELDS.iter().find(|(known, _)| *known == name);
+    let text = text.map_or("", |(_, text)| text);
+    write_file(path, text.as_bytes(), force)?;
+    let file = path.display();
+    messages.note(&format!(
+        "{file}: the template {name}; change it, and `touchline fields {file} --render field.svg` shows the result"
+    ));
     Ok(Outcome::Done)
 }
 

@@ -9,7 +9,6 @@ use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::refuse_existing;
 use anyhow::{Context as _, bail};
 use image::codecs::jpeg::JpegEncoder;
-use image::imageops::FilterType;
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use std::fs::{File, create_dir_all};
 use std::io::BufWriter;
@@ -64,12 +63,10 @@ fn write_resized(
     path: &Path,
     folder: &Path,
 ) -> anyhow::Result<PathBuf> {
-    let ImageSize { width, height } = picture.size();
-    let rgba = RgbaImage::from_raw(width, height, picture.rgba().to_vec());
-    let rgba = rgba.context("a picture has four bytes a pixel")?;
-    let resized = DynamicImage::from(rgba)
-        .resize_exact(size.width, size.height, FilterType::CatmullRom)
-        .into_rgb8();
+    let rgba = picture.resize(size)?.rgba().to_vec();
+    let resized = RgbaImage::from_raw(size.width, size.height, rgba);
+    let resized = resized.context("a picture has four bytes a pixel")?;
+    let resized = DynamicImage::from(resized).into_rgb8();
     let to = folder.join(path.file_name().context("an image has a name")?);
     let failed = || format!("cannot write {}", to.display());
     let mut file = BufWriter::new(File::create(&to).with_context(failed)?);

@@ -29,7 +29,7 @@ pub const TESTS: &[Test] = tests![
     [Ffmpeg] the_times_of_an_uneven_mp4_are_read_from_its_table;
     [Ffmpeg] a_video_cut_off_ends_where_it_is_cut;
     [Ffmpeg] a_video_on_its_side_is_turned_upright;
-    [Ffmpeg] pixels_that_are_not_square_are_said;
+    [Ffmpeg] pixels_that_are_not_square_are_made_square;
     [Ffmpeg] the_cuts_of_a_video_are_found;
     [Ffmpeg] interlaced_frames_are_shown_without_a_comb;
     [Frames, Ffmpeg] a_match_without_a_cut_has_one_shot;
@@ -552,16 +552,45 @@ fn a_video_on_its_side_is_turned_upright() {
     }
 }
 
-fn pixels_that_are_not_square_are_said() {
+fn pixels_that_are_not_square_are_made_square() {
     let folder = tempfile::tempdir().unwrap();
-    ffmpeg(
-        folder.path(),
-        &format!("{CARD} -vf setsar=4/3 -c:v libx264 wide.mp4"),
-    );
-    let video = Video::open(&folder.path().join("wide.mp4")).unwrap();
+    for (name, aspect) in [
+        ("even", "1"),
+        ("wide", "4/3"),
+        ("high", "3/4"),
+        ("absurd", "99"),
+    ] {
+        let filter = format!("{CARD} -vf setsar={aspect} -c:v libx264 {name}.mp4");
+        ffmpeg(folder.path(), &filter);
+    }
+    let open = |name: &str| Video::open(&folder.path().join(name)).unwrap();
+    let mut even = open("even.mp4");
+    let stored = even.frame(3).unwrap();
+    for (name, size) in [
+        ("wide.mp4", ImageSize::new(213, 90)),
+        ("high.mp4", ImageSize::new(160, 120)),
+        ("absurd.mp4", ImageSize::new(160, 90)),
+    ] {
+        let mut video = open(name);
+        assert_eq!(video.info().size, size, "{name}");
+        let picture = video.frame(3).unwrap();
+        assert_eq!(picture.size(), size, "{name}");
+        let [wider, higher] = [size.width as f32 / 160.0, size.height as f32 / 90.0];
+        for (x, y) in [(8_u32, 8_u32), (75, 40), (150, 80)] {
+            let shown = [x as f32 * wider, y as f32 * higher].map(|px| px.round() as u32);
+            let shown = picture.pixel(shown[0], shown[1]).unwrap();
+            let same = stored.pixel(x, y).unwrap();
+            let is_same = shown
+                .into_iter()
+                .zip(same)
+                .all(|(a, b)| a.abs_diff(b) <= 40);
+            assert!(is_same, "{name} ({x}, {y}): {shown:?} for {same:?}");
+        }
+    }
+    let wide = open("wide.mp4");
     assert_eq!(
-        video.info().notices[0].to_string(),
-        "wide.mp4: its pixels are not square (1.333 : 1). Convert it to square pixels before calibrating."
+        wide.info().notices[0].to_string(),
+        "wide.mp4: its pixels are not square. Frames of 160 × 90 px are used as 213 × 90 px, and all coordinates are of these."
     );
 }
 

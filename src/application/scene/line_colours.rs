@@ -79,12 +79,14 @@ pub const SPORTS: [Sport; 8] = [
 ];
 
 /// Field templates whose lines have the colour of another sport on a like ground.
-const COLOURED_ALIKE: [(&str, &str); 5] = [
+const COLOURED_ALIKE: [(&str, &str); 7] = [
     ("badminton", "tennis"),
     ("pickleball", "tennis"),
     ("padel", "tennis"),
     ("beach_volleyball", "volleyball"),
     ("field_hockey", "soccer"),
+    ("rugby_union", "soccer"),
+    ("squash", "basketball"),
 ];
 
 const fn sport(id: &'static str, name: &'static str, ground: Ground, colour: [u8; 3]) -> Sport {

@@ -102,7 +102,7 @@ fn check_names_everything_that_is_wrong() {
         ),
         (
             |d| d.field.template = "quidditch".into(),
-            "field: no field template is named \"quidditch\"; built in are soccer, futsal, basketball_fiba, basketball_nba, basketball_ncaa, ice_hockey_iihf, ice_hockey_nhl, american_football_nfl, american_football_ncaa, tennis, volleyball, handball, badminton, pickleball, padel, beach_volleyball, field_hockey; a template of your own is given as a path ending in .json",
+            "field: no field template is named \"quidditch\"; built in are soccer, futsal, basketball_fiba, basketball_nba, basketball_ncaa, ice_hockey_iihf, ice_hockey_nhl, american_football_nfl, american_football_ncaa, tennis, volleyball, handball, badminton, pickleball, padel, beach_volleyball, field_hockey, rugby_union, squash; a template of your own is given as a path ending in .json",
         ),
         (
             |d| _ = d.field.params.insert("length_m".into(), 12.0),

@@ -484,6 +484,44 @@ fn badminton_pickleball_padel_beach_volleyball_and_field_hockey_are_where_their_
 }
 
 #[test]
+fn rugby_and_squash_are_where_their_rules_put_them() {
+    let rugby = model("rugby_union");
+    assert_landmarks(
+        &rugby,
+        &[
+            ("corner_far_left", [-50.0, 35.0, 0.0]),
+            ("line_22_15_near_right", [28.0, -20.0, 0.0]),
+            ("line_10_5_far_left", [-10.0, 30.0, 0.0]),
+            ("dead_ball_near_right", [60.0, -35.0, 0.0]),
+            ("crossbar_far_right", [50.0, 2.8, 3.0]),
+        ],
+    );
+    // The goal line lies in the in-goal area, the 22 m line within its 22 m.
+    let paint_x = |field: &FieldModel, id: &str| {
+        let line = field.lines.iter().find(|line| line.id.as_str() == id);
+        line.unwrap().paint_centre.point_at(0.5).x
+    };
+    assert!((paint_x(&rugby, "goal_line_right") - 50.05).abs() < 1e-9);
+    assert!((paint_x(&rugby, "line_22_right") - 28.05).abs() < 1e-9);
+    let short = BTreeMap::from([("length_m".to_owned(), 94.0), ("width_m".to_owned(), 68.0)]);
+    let short = builtin("rugby_union").unwrap().model(&short, 0.0).unwrap();
+    assert_landmarks(&short, &[("line_22_15_near_right", [25.0, -19.0, 0.0])]);
+
+    let squash = model("squash");
+    assert_landmarks(
+        &squash,
+        &[
+            ("short_line_near", [-0.615, -3.2, 0.0]),
+            ("service_box_far_back", [-2.215, 1.6, 0.0]),
+            ("front_out_far", [4.875, 3.2, 4.57]),
+            ("back_out_near", [-4.875, -3.2, 2.13]),
+        ],
+    );
+    // 5.44 m from the front wall to the short line's far edge: 9.75 m less 4.26 m and 50 mm.
+    assert!((paint_x(&squash, "short_line") - (4.875 - 5.465)).abs() < 1e-9);
+}
+
+#[test]
 fn tennis_volleyball_handball_and_futsal_are_where_their_rules_put_them() {
     assert_landmarks(
         &model("tennis"),
@@ -529,4 +567,17 @@ fn tennis_volleyball_handball_and_futsal_are_where_their_rules_put_them() {
             ("second_penalty_mark_left", [-10.0, 0.0, 0.0]),
         ],
     );
+}
+
+#[test]
+fn the_template_of_the_guide_is_one() {
+    let page = include_str!("../../../assets/guide/fields.md");
+    let example = page.split("```json").nth(1).unwrap().split("```").next();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("my-court.json");
+    std::fs::write(&path, example.unwrap()).unwrap();
+    let court = touchline_core::field::Template::from_file(&path).unwrap();
+    let court = court.default_model().unwrap();
+    assert_landmarks(&court, &[("corner_far_left", [-10.0, 5.0, 0.0])]);
+    assert_eq!(court.lines.len(), 5);
 }

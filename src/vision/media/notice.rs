@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use touchline_core::geometry::{pluralise, thousands};
+use touchline_core::geometry::{ImageSize, pluralise, thousands};
 
 /// A remark about a folder or a video, shown once; the source can be used.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,13 +35,14 @@ pub enum Notice {
         /// The video.
         path: PathBuf,
     },
-    /// The pixels of the video are not square; a camera's single focal length does not describe
-    /// such frames.
+    /// The stored pixels of the video are not square; its frames are returned with pixels that are.
     PixelsNotSquare {
         /// The video.
         path: PathBuf,
-        /// Width of a pixel over its height.
-        aspect: f64,
+        /// The size of the stored frames.
+        stored: ImageSize,
+        /// The size of the frames as returned.
+        shown: ImageSize,
     },
     /// A file name that is not UTF-8, which a document cannot store.
     NameNotUtf8 {
@@ -90,10 +91,18 @@ impl fmt::Display for Notice {
                 "{}: exact seeking is not possible, so stepping back is slow. Convert it to MP4 for fast steps.",
                 name(path)
             ),
-            Self::PixelsNotSquare { path, aspect } => write!(
+            Self::PixelsNotSquare {
+                path,
+                stored,
+                shown,
+            } => write!(
                 f,
-                "{}: its pixels are not square ({aspect:.3} : 1). Convert it to square pixels before calibrating.",
-                name(path)
+                "{}: its pixels are not square. Frames of {} × {} px are used as {} × {} px, and all coordinates are of these.",
+                name(path),
+                stored.width,
+                stored.height,
+                shown.width,
+                shown.height
             ),
             Self::NameNotUtf8 { path } => {
                 write!(

@@ -1,6 +1,8 @@
 //! Decoded pixels.
 
 use super::MediaError;
+use image::imageops::{self, FilterType};
+use image::{ImageBuffer, Rgba};
 use std::fmt;
 use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
@@ -64,6 +66,19 @@ impl Picture {
         }
         let at = 4 * (y as usize * self.size.width as usize + x as usize);
         self.rgba.get(at..at + 4)?.try_into().ok()
+    }
+
+    /// The same picture in another size, by cubic interpolation.
+    ///
+    /// # Errors
+    /// [`MediaError::WrongLength`] when there is no buffer for the size.
+    pub fn resize(&self, size: ImageSize) -> Result<Self, MediaError> {
+        let ImageSize { width, height } = self.size;
+        let pixels = ImageBuffer::<Rgba<u8>, &[u8]>::from_raw(width, height, &self.rgba);
+        let resized = pixels.map(|pixels| {
+            imageops::resize(&pixels, size.width, size.height, FilterType::CatmullRom)
+        });
+        Self::new(size, resized.map_or_else(Vec::new, ImageBuffer::into_raw))
     }
 
     /// Memory of the pixels, bytes.

@@ -77,6 +77,28 @@ fn a_template_of_ones_own_is_drawn_and_nothing_is_overwritten() {
             .stderr
             .contains("own.svg already exists; give --force to replace it")
     );
+    // A copy of a built-in template is a template of its own.
+    let copied = touchline(folder.path(), "fields badminton --template copy.json");
+    assert_eq!(copied.code, 0, "{}", copied.stderr);
+    assert_eq!(
+        touchline(folder.path(), "fields copy.json").stdout,
+        touchline(folder.path(), "fields badminton").stdout
+    );
+    for (wrong, line) in [
+        ("fields badminton --template copy.json", "already exists"),
+        (
+            "fields quidditch --template other.json",
+            "built in are soccer",
+        ),
+        ("fields tennis --template other.txt", "ending in .json"),
+    ] {
+        let wrong = touchline(folder.path(), wrong);
+        assert!(
+            wrong.code == 2 && wrong.stderr.contains(line),
+            "{}",
+            wrong.stderr
+        );
+    }
     let wrong = touchline(folder.path(), "fields own.json --render own.bmp");
     assert_eq!(
         wrong.stderr,

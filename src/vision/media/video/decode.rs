@@ -8,11 +8,14 @@ use super::survey::{Survey, survey};
 use super::{CountProgress, VideoInfo};
 use crate::media::{MediaError, Picture};
 use std::path::Path;
+use touchline_core::geometry::ImageSize;
 use touchline_core::progress::Progress;
 
 /// An open video. It has one read position; use one per thread.
 pub struct Video {
     info: VideoInfo,
+    /// The size of the frames before their pixels are made square.
+    stored_size: ImageSize,
     player: Player,
     /// The file when it was opened; none where the system does not tell.
     file: Option<FileState>,
@@ -69,6 +72,7 @@ impl Video {
                 preroll: video.preroll,
             },
             info: video.info,
+            stored_size: video.stored_size,
             file,
         })
     }
@@ -84,8 +88,8 @@ impl Video {
         &self.info
     }
 
-    /// The pixels of a frame by its index among the decoded frames, from 0, upright; of an
-    /// interlaced video those of the first field.
+    /// The pixels of a frame by its index among the decoded frames, from 0, upright and square; of
+    /// an interlaced video those of the first field.
     ///
     /// # Errors
     /// There is no such frame, or its data are damaged.
@@ -101,10 +105,15 @@ impl Video {
         // here, above the player.
         self.player.go_to(&self.info, index)?;
         let picture = self.player.capture.picture(index)?;
-        Ok(if self.info.interlaced {
+        let picture = if self.info.interlaced {
             first_field(&picture)
         } else {
             picture
-        })
+        };
+        // A picture of yet another size, as after a change in the middle of a stream, stays as it is.
+        if self.info.size == self.stored_size || picture.size() != self.stored_size {
+            return Ok(picture);
+        }
+        picture.resize(self.info.size)
     }
 }

@@ -39,7 +39,7 @@ use touchline_core::geometry::ImageSize;
 pub struct VideoInfo {
     /// The video's file.
     pub path: Arc<Path>,
-    /// The size of its frames as returned, upright, px.
+    /// The size of its frames as returned, upright and with square pixels, px.
     pub size: ImageSize,
     /// Clockwise rotation that was applied to the stored frames to make them upright, degrees: 0,
     /// 90, 180 or 270.

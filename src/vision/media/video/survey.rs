@@ -19,6 +19,7 @@ use super::player::Player;
 use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::image_file::ImageLimits;
 use crate::media::{MediaError, Notice, Picture};
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
 use touchline_core::geometry::ImageSize;
@@ -42,6 +43,9 @@ pub(super) struct Survey {
 #[derive(Clone)]
 pub(super) struct SurveyedVideo {
     pub(super) info: VideoInfo,
+    /// The size of the frames as they are stored, upright: another one than that of `info` where
+    /// pixels are not square.
+    pub(super) stored_size: ImageSize,
     /// The run-up of a seek, frames.
     pub(super) preroll: usize,
     /// Opens the video again.
@@ -176,9 +180,13 @@ pub(super) fn survey(
             path: path.to_path_buf(),
         });
     }
-    add_notices(&mut info, stated.pixel_aspect);
+    let stored_size = info.size;
+    info.size = with_square_pixels(stored_size, stated.pixel_aspect);
+    ImageLimits::default().check(path, info.size.width, info.size.height)?;
+    add_notices(&mut info, stored_size);
     let video = SurveyedVideo {
         info,
+        stored_size,
         preroll: player.preroll,
         described,
     };
@@ -188,7 +196,24 @@ pub(super) fn survey(
     })
 }
 
-fn add_notices(info: &mut VideoInfo, aspect: f64) {
+/// The size in which frames have square pixels: a camera here has one focal length for both
+/// directions. Pixels are made wider or higher, never fewer, so that no detail is lost. An aspect
+/// that no format of television has is a mistake of the file, and is ignored.
+fn with_square_pixels(stored: ImageSize, aspect: f64) -> ImageSize {
+    const LEAST: f64 = 1e-3;
+    const USUAL: RangeInclusive<f64> = 0.25..=4.0;
+    if (aspect - 1.0).abs() <= LEAST || !USUAL.contains(&aspect) {
+        return stored;
+    }
+    let enlarge = |side_px: u32, factor: f64| (f64::from(side_px) * factor).round() as u32;
+    if aspect > 1.0 {
+        ImageSize::new(enlarge(stored.width, aspect), stored.height)
+    } else {
+        ImageSize::new(stored.width, enlarge(stored.height, aspect.recip()))
+    }
+}
+
+fn add_notices(info: &mut VideoInfo, stored: ImageSize) {
     let path = info.path.to_path_buf();
     if info.stated_frames > 0 && info.stated_frames != info.decoded_frames {
         let (stated, decoded) = (info.stated_frames, info.decoded_frames);
@@ -207,8 +232,13 @@ fn add_notices(info: &mut VideoInfo, aspect: f64) {
     if info.interlaced {
         info.notices.push(Notice::Interlaced { path: path.clone() });
     }
-    if (aspect - 1.0).abs() > 1e-3 {
-        info.notices.push(Notice::PixelsNotSquare { path, aspect });
+    if info.size != stored {
+        let shown = info.size;
+        info.notices.push(Notice::PixelsNotSquare {
+            path,
+            stored,
+            shown,
+        });
     }
 }
 

@@ -63,7 +63,7 @@ impl App {
 /// The field template that a file's name suggests, if any.
 pub(super) fn guess_template(name: &str) -> Option<&'static str> {
     /// Words in names, and the templates that they suggest. Special ones precede general ones.
-    const WORDS: [(&str, &str); 23] = [
+    const WORDS: [(&str, &str); 25] = [
         ("nba", "basketball_nba"),
         ("wnba", "basketball_nba"),
         ("ncaab", "basketball_ncaa"),
@@ -86,6 +86,8 @@ pub(super) fn guess_template(name: &str) -> Option<&'static str> {
         ("badminton", "badminton"),
         ("pickleball", "pickleball"),
         ("padel", "padel"),
+        ("rugby", "rugby_union"),
+        ("squash", "squash"),
         ("volleyball", "volleyball"),
     ];
     // Whole words first: "wnba" contains "nba", and "nfl" would be found in "influence".
