@@ -9,7 +9,7 @@ use std::ops::{ControlFlow, RangeInclusive};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{
-    BasePaintEvidence, ClipProgress, ClipSpan, EndNames, LengthOnLines, TrackClipOptions,
+    BasePaintEvidence, ClipProgress, ClipSpan, LengthOnLines, Misnamed, TrackClipOptions,
     TrackedClip, clips,
 };
 use touchline_calibration::pipelines::{
@@ -226,8 +226,8 @@ fn show_progress(bar: Option<&ProgressBar>, progress: ClipProgress) {
     }
 }
 
-/// That clicks of a camera, which were named as they look from behind an end, have other names now.
-pub fn describe_renamed(camera: &CameraId, names: &EndNames) -> String {
+/// That clicks of a camera, which were named for the wrong sides, have other names now.
+pub fn describe_renamed(camera: &CameraId, names: &Misnamed) -> String {
     format!("{camera}: {names}; they are renamed")
 }
 

@@ -25,9 +25,9 @@ pub use autocalibrated::autocalibrated_camera::{
 pub use autocalibrated::found_camera::FoundCamera;
 pub use autocalibrated::record_found::record_found;
 pub use base::after_merge::{SolvedAfterMerge, solve_after_merge};
-pub(crate) use base::base_estimation::rename_behind_an_end;
+pub(crate) use base::base_estimation::rename_clicks;
 pub use base::base_estimation::{
-    BaseEstimationError, BaseProblem, EndNames, EstimatedBase, LandmarkFit, camera_alone,
+    BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, Misnamed, camera_alone,
     describe_mirrored,
 };
 pub use base::base_on_paint::{BaseOnPaint, PictureOf, PulledFrames, estimate_on_paint};

@@ -7,8 +7,8 @@
 
 use crate::calibrate::{
     BaseEstimationError, BasePaintEvidence, BaseProblem, ClipEvidence, ClipFrames, ClipProgress,
-    ClipSpan, EndNames, LengthOnLines, TrackClipError, TrackClipOptions, TrackedClip,
-    estimate_on_paint, record_tracked, rename_behind_an_end, take_length, track_clip,
+    ClipSpan, LengthOnLines, Misnamed, TrackClipError, TrackClipOptions, TrackedClip,
+    estimate_on_paint, record_tracked, rename_clicks, take_length, track_clip,
 };
 use crate::proposals::read_picture;
 use std::collections::{BTreeMap, BTreeSet};
@@ -45,9 +45,8 @@ pub struct TrackingOptions {
 pub enum TrackingEvent {
     /// Tracking of a clip starts.
     Begun(ClipSpan),
-    /// The clicks of a camera were named as they look from behind an end, and have the template's
-    /// names now.
-    Renamed(CameraId, EndNames),
+    /// The clicks of a camera were named for the wrong sides, and have the names now that were meant.
+    Renamed(CameraId, Misnamed),
     /// Progress within the clip.
     Progress(ClipProgress),
     /// The base of a camera is being refined on the painted lines of the frames.
@@ -147,7 +146,7 @@ pub fn track_clips(
 }
 
 /// Gives a camera that has no base one from its clicks, and solves its frames with it. Clicks that
-/// are named as they look from behind an end get the template's names, which are returned.
+/// are named for the wrong sides get the names that are meant, which are returned.
 ///
 /// # Errors
 /// The clicks give no base, or the camera's field is not valid.
@@ -156,14 +155,14 @@ pub fn give_first_base(
     folder: &Path,
     camera: &CameraId,
     options: &BaseOptions,
-) -> Result<Option<EndNames>, BaseEstimationError> {
+) -> Result<Option<Misnamed>, BaseEstimationError> {
     if document.camera(camera).and_then(Camera::base).is_some() {
         return Ok(None);
     }
     let problem = BaseProblem::from_document(document.at(folder), camera)?;
     let (estimated, renamed) = match problem.estimate(document, options, &Progress::default()) {
-        Err(BaseEstimationError::NamedBehindAnEnd(names)) => {
-            rename_behind_an_end(document, camera, &problem.field);
+        Err(BaseEstimationError::Misnamed(names)) => {
+            rename_clicks(document, camera, &names, &problem.field);
             let problem = BaseProblem::from_document(document.at(folder), camera)?;
             let estimated = problem.estimate(document, options, &Progress::default())?;
             (estimated, Some(names))

@@ -10,11 +10,11 @@ mod build;
 mod builtin;
 mod crown;
 mod element;
-mod end_names;
 mod error;
 mod expression;
 mod file;
 mod load;
+mod misnaming;
 mod model;
 mod parts;
 mod read;
@@ -28,6 +28,7 @@ pub use crown::Crown;
 pub use element::FieldElement;
 pub use error::FieldError;
 pub use expression::{Expression, ExpressionError};
+pub use misnaming::Misnaming;
 pub use model::{
     CLICKING_SHARE, Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge,
 };

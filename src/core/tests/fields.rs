@@ -208,7 +208,10 @@ fn every_template_is_whole_and_as_symmetric_as_its_rules() {
                 .all(|dimension| !dimension.source.is_empty())
         );
         let field = template.default_model().unwrap();
-        for symmetry in Symmetry::ALL {
+        // A squash court has a front and a back.
+        let is_whole = template.symmetry.len() == Symmetry::ALL.len();
+        assert!(is_whole || name == "squash", "{name}");
+        for symmetry in &template.symmetry {
             for landmark in &field.landmarks {
                 let twin = symmetry.landmark_twin(&field, landmark).unwrap();
                 assert_eq!(

@@ -1,18 +1,18 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
-mod end_names;
 mod estimated_base;
 mod landmark_fit;
+mod misnamed;
 #[cfg(test)]
 mod tests;
 
 use super::own_cameras::cameras_from_lines;
 use crate::calibrate::base_readiness::LANDMARKS_ALONE;
 use crate::calibrate::observations;
-pub use end_names::EndNames;
-pub(crate) use end_names::rename_behind_an_end;
 pub use estimated_base::EstimatedBase;
 pub use landmark_fit::LandmarkFit;
+pub use misnamed::Misnamed;
+pub(crate) use misnamed::rename_clicks;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel, Symmetry};
@@ -49,9 +49,9 @@ pub enum BaseEstimationError {
     /// The clicks do not determine a base.
     #[error(transparent)]
     Base(#[from] BaseError),
-    /// They do once their names are read as they look from behind an end.
+    /// They do once their names are read for other sides.
     #[error("{0}; rename them, then they give a base")]
-    NamedBehindAnEnd(EndNames),
+    Misnamed(Misnamed),
 }
 
 /// The input for estimating the base of a camera: its frames with their clicks.
@@ -181,8 +181,7 @@ impl BaseProblem {
     /// Estimates the base. `document` is the one that the clicks were gathered from.
     ///
     /// # Errors
-    /// The clicks give no base, also because they are named as they look from behind an end, or it
-    /// was cancelled.
+    /// The clicks give no base, also because they are named for the wrong sides, or it was cancelled.
     pub fn estimate(
         &self,
         document: &Document,
@@ -190,8 +189,8 @@ impl BaseProblem {
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let found = self.estimate_as_named(document, options, progress);
-        match self.names_behind_an_end(document, found.as_ref(), options) {
-            Some(names) => Err(BaseEstimationError::NamedBehindAnEnd(names)),
+        match self.misnamed(document, found.as_ref(), options) {
+            Some(names) => Err(BaseEstimationError::Misnamed(names)),
             None => found,
         }
     }
