@@ -103,6 +103,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let options = MatchOptions {
         sampled_frames: args.look_at as usize,
         label_the_rest: !args.found_only,
+        find_shots: true,
     };
     let report = MatchReport::new(messages);
     let progress = Progress::new(|event| {

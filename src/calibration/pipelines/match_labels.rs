@@ -1,7 +1,7 @@
 //! Labelling a match: from the pictures of its frames, and the clicks if there are any, to a camera
 //! for each.
 //!
-//! 0. Where clicks determine the camera of a video, it is labelled from them (`clicked_match.rs`).
+//! 0. The shots of a video are found, and which of them show a field (`shots.rs`). Where clicks determine the camera of a video, it is labelled from them (`clicked_match.rs`).
 //!    Else:
 //! 1. The camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
 //! 2. Frames that overlap with none of its frames belong to another camera, which is found in the
@@ -15,6 +15,7 @@ use super::forest_labels::{
     learn_forest,
 };
 use super::other_cameras::split_off;
+use super::shots::mark_shots;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
@@ -28,8 +29,10 @@ use std::sync::Arc;
 use thiserror::Error;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
-use touchline_core::progress::Progress;
-use touchline_documents::document::{CameraId, Document, DocumentAt, FrameStatus};
+use touchline_core::progress::{Progress, Share};
+use touchline_documents::document::{
+    CameraId, Document, DocumentAt, FrameStatus, Shot, ShotContent, ShotKind, frames_in_transitions,
+};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions};
 
@@ -40,6 +43,8 @@ pub struct MatchOptions {
     pub sampled_frames: usize,
     /// Whether the other frames are labelled as well. True by default.
     pub label_the_rest: bool,
+    /// Whether the shots of a video are found first, which reads all its frames. True by default.
+    pub find_shots: bool,
 }
 
 impl Default for MatchOptions {
@@ -47,6 +52,7 @@ impl Default for MatchOptions {
         Self {
             sampled_frames: 40,
             label_the_rest: true,
+            find_shots: true,
         }
     }
 }
@@ -54,6 +60,17 @@ impl Default for MatchOptions {
 /// Events while a match is labelled.
 #[derive(Debug)]
 pub enum MatchEvent {
+    /// The frames of a video are compared with their neighbours to find its shots.
+    FindingShots(Share),
+    /// The shots are known.
+    Shots {
+        /// Number of shots.
+        shots: usize,
+        /// Number of fades, dissolves and wipes between them.
+        transitions: usize,
+        /// Number of shots that show no field.
+        without_field: usize,
+    },
     /// Progress of the search for a camera.
     Searching(AutocalibrationProgress),
     /// The picture of a frame cannot be read. The search continues with the others.
@@ -269,6 +286,9 @@ pub fn label_match(
         options,
         progress,
     };
+    if options.find_shots && has_video(labelling.document) {
+        labelling.find_shots()?;
+    }
     if options.label_the_rest
         && let Some(labelled) = labelling.label_from_clicks(camera)?
     {
@@ -296,13 +316,16 @@ pub fn label_match(
     Ok(MatchLabels::Labelled(labelled))
 }
 
-/// The indices of a document's frames that have no camera, without rejected ones: a person decided
-/// that these get none.
+/// The indices of a document's frames that have no camera, without rejected ones, which a person
+/// decided on, and those of transitions between shots, which show two pictures or none.
 pub(super) fn frames_without_camera(document: &Document) -> Vec<usize> {
+    let is_between_shots = frames_in_transitions(document);
     (0..document.frames.len())
         .filter(|&index| {
             let frame = &document.frames[index];
-            frame.ptz.is_none() && frame.status != FrameStatus::Rejected
+            frame.ptz.is_none()
+                && frame.status != FrameStatus::Rejected
+                && !is_between_shots[index]
         })
         .collect()
 }
@@ -396,6 +419,26 @@ pub(super) struct Labelling<'a> {
 }
 
 impl Labelling<'_> {
+    /// Finds the shots of videos that have none in the document yet.
+    fn find_shots(&mut self) -> Result<(), AutocalibrationError> {
+        let progress = self.progress.part(MatchEvent::FindingShots);
+        mark_shots(self.document, self.folder, self.reader, &progress);
+        if progress.is_cancelled() {
+            return Err(AutocalibrationError::Stopped);
+        }
+        let count = |is_one: fn(&Shot) -> bool| {
+            let shots = self.document.shots.iter();
+            shots.filter(|shot| is_one(shot)).count()
+        };
+        let transitions = count(|shot| shot.kind == ShotKind::Transition);
+        let _ = self.progress.report(MatchEvent::Shots {
+            shots: self.document.shots.len() - transitions,
+            transitions,
+            without_field: count(|shot| shot.content == Some(ShotContent::NoField)),
+        });
+        Ok(())
+    }
+
     /// Searches for a camera. Each picture that cannot be read is reported once.
     fn search(
         &mut self,
