@@ -72,6 +72,7 @@ impl MatchReport {
                 camera,
                 found,
                 separate_frames,
+                ..
             } => {
                 shown.bar.clear();
                 if let Some(count) = separate_frames {
