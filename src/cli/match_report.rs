@@ -53,7 +53,7 @@ impl MatchReport {
             } => {
                 shown.bar.clear();
                 if shots > 1 {
-                    let between = pluralise(transitions, "fade, dissolve or wipe");
+                    let between = pluralise(transitions, "transition");
                     messages.note(&format!(
                         "{shots} shots, {between} between them, {without_field} without a field"
                     ));

@@ -113,9 +113,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let mut queried: Vec<usize> = (0..document.frames.len())
         .filter(|&index| {
             let frame = &document.frames[index];
-            frame.is_open()
-                && !is_between_shots[index]
-                && !(args.resume && is_answered(frame))
+            frame.is_open() && !is_between_shots[index] && !(args.resume && is_answered(frame))
         })
         .collect();
     if args.key_frames {

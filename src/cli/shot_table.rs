@@ -10,6 +10,9 @@ use touchline_vision::relocalize::CERTAIN;
 /// Maximum number of shots without a camera that are listed one by one.
 const MAX_LISTED: usize = 12;
 
+/// The name of the row of shots in which no frame has a camera.
+const NO_CAMERA: &str = "no camera";
+
 /// What the frames of a row show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum RowKind {
@@ -38,6 +41,13 @@ struct ShotRow {
     counts: Row,
 }
 
+impl ShotRow {
+    /// Whether it shows a field, and no frame has a camera.
+    fn is_without_camera(&self) -> bool {
+        self.kind == RowKind::Field && self.counts.none == self.counts.frames
+    }
+}
+
 /// The lines of the table, and of the shots of a field that got no camera; none for a document
 /// without shots or with a single one.
 pub fn describe_shots(document: &Document) -> Vec<String> {
@@ -49,6 +59,7 @@ pub fn describe_shots(document: &Document) -> Vec<String> {
     for shot in &shots {
         // Which camera would have filmed a crowd or a dissolve is not known.
         let camera = match shot.kind {
+            RowKind::Field if shot.is_without_camera() => NO_CAMERA,
             RowKind::Field => shot.camera.as_str(),
             RowKind::NoField | RowKind::Transition => "",
         };
@@ -59,7 +70,15 @@ pub fn describe_shots(document: &Document) -> Vec<String> {
         row.uncertain += shot.counts.uncertain;
         row.none += shot.counts.none;
     }
-    let mut lines = vec![line(["camera", "shots", "frames", "certain", "uncertain", "none", ""])];
+    let mut lines = vec![line([
+        "camera",
+        "shots",
+        "frames",
+        "certain",
+        "uncertain",
+        "none",
+        "",
+    ])];
     for ((kind, camera), row) in rows {
         let (camera, reason) = match kind {
             RowKind::Field => (camera, ""),
@@ -68,12 +87,12 @@ pub fn describe_shots(document: &Document) -> Vec<String> {
         };
         let [shots, frames, certain, uncertain, none] =
             [row.shots, row.frames, row.certain, row.uncertain, row.none].map(thousands);
-        lines.push(line([camera, &shots, &frames, &certain, &uncertain, &none, reason]));
+        lines.push(line([
+            camera, &shots, &frames, &certain, &uncertain, &none, reason,
+        ]));
     }
-    let without = shots
-        .iter()
-        .filter(|shot| shot.kind == RowKind::Field && shot.counts.none == shot.counts.frames);
-    let without: Vec<&ShotRow> = without.collect();
+    let without = shots.iter();
+    let without: Vec<&ShotRow> = without.filter(|shot| shot.is_without_camera()).collect();
     for shot in without.iter().take(MAX_LISTED) {
         lines.push(format!(
             "no camera from {} to {} ({} frames): neither the search nor the frames of the other \
@@ -82,7 +101,10 @@ pub fn describe_shots(document: &Document) -> Vec<String> {
         ));
     }
     if without.len() > MAX_LISTED {
-        lines.push(format!("and {} more shots without a camera", without.len() - MAX_LISTED));
+        lines.push(format!(
+            "and {} more shots without a camera",
+            without.len() - MAX_LISTED
+        ));
     }
     lines
 }
@@ -134,7 +156,11 @@ fn confidence(frame: &Frame) -> Option<f64> {
         return Some(1.0);
     }
     let solution = frame.solution.as_ref();
-    Some(solution.and_then(|solution| solution.confidence).unwrap_or(0.0))
+    Some(
+        solution
+            .and_then(|solution| solution.confidence)
+            .unwrap_or(0.0),
+    )
 }
 
 /// A line of the table: a name, five numbers, a remark.
@@ -181,11 +207,18 @@ mod tests {
     fn frames_are_counted_by_camera_and_kind_of_shot() {
         let mut document = document();
         let lines = describe_shots(&document);
-        let words: Vec<Vec<&str>> = lines.iter().map(|it| it.split_whitespace().collect()).collect();
-        assert_eq!(words[1], ["main", "2", "12", "4", "2", "6"]);
-        assert_eq!(words[2][..7], ["no", "field", "1", "5", "0", "0", "5"]);
-        assert_eq!(words[3][..7], ["between", "shots", "1", "3", "0", "0", "3"]);
-        assert!(lines[4].starts_with("no camera from a.mp4") && lines.len() == 5, "{lines:?}");
+        let words: Vec<Vec<&str>> = lines
+            .iter()
+            .map(|it| it.split_whitespace().collect())
+            .collect();
+        assert_eq!(words[1], ["main", "1", "6", "4", "2", "0"]);
+        assert_eq!(words[2], ["no", "camera", "1", "6", "0", "0", "6"]);
+        assert_eq!(words[3][..7], ["no", "field", "1", "5", "0", "0", "5"]);
+        assert_eq!(words[4][..7], ["between", "shots", "1", "3", "0", "0", "3"]);
+        assert!(
+            lines[5].starts_with("no camera from a.mp4") && lines.len() == 6,
+            "{lines:?}"
+        );
         assert!(!is_every_field_answered(&document));
         for index in 14..20 {
             document.frames[index].ptz = ptz_at(0.0, -9.0, 90.0);

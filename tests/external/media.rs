@@ -598,16 +598,23 @@ fn the_cuts_of_a_video_are_found() {
         panic!("{found:?}")
     };
     // It begins with frame 85 and lasts 15.
-    assert!(from.abs_diff(85) <= 3 && fade.abs_diff(100) <= 3, "{from}..{fade}");
+    assert!(
+        from.abs_diff(85) <= 3 && fade.abs_diff(100) <= 3,
+        "{from}..{fade}"
+    );
     assert_eq!(found.last, 134);
 }
 
 fn joined_clips_have_their_shots_and_transitions() {
     let folder = tempfile::tempdir().unwrap();
     let data = frames_folder();
-    let inputs = ["video-soccer/match.mp4", "wild/two-shots-360p.mp4", "wild/chelsea-milan.mp4"]
-        .map(|name| format!("-i {}", data.join(name).display()))
-        .join(" ");
+    let inputs = [
+        "video-soccer/match.mp4",
+        "wild/two-shots-360p.mp4",
+        "wild/chelsea-milan.mp4",
+    ]
+    .map(|name| format!("-i {}", data.join(name).display()))
+    .join(" ");
     // A shot of the main camera, a cut to a close-up, a dissolve to the main camera, a cut to
     // another stadium, a wipe to the first one.
     let same = "setpts=PTS-STARTPTS,scale=640:360,fps=25,format=yuv420p,settb=1/25,setsar=1";
@@ -635,7 +642,11 @@ fn joined_clips_have_their_shots_and_transitions() {
     let found = cuts(&folder.path().join("joined.mp4")).cuts;
     let kinds: Vec<ShotKind> = found.iter().map(|(_, kind)| *kind).collect();
     use ShotKind::{Cut, Fade, Transition};
-    assert_eq!(kinds, [Cut, Transition, Fade, Cut, Transition, Fade], "{found:?}");
+    assert_eq!(
+        kinds,
+        [Cut, Transition, Fade, Cut, Transition, Fade],
+        "{found:?}"
+    );
     for ((frame, _), joined) in found.iter().zip([150, 200, 215, 360, 428, 443]) {
         assert!(frame.abs_diff(joined) <= 3, "{found:?}");
     }

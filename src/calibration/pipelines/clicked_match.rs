@@ -19,9 +19,9 @@ use super::track_clips::{
 };
 use crate::calibrate::{ClipEvidence, ClipFrames, clips};
 use crate::proposals::FeatureStore;
+use std::collections::BTreeMap;
 use touchline_core::geometry::subsample;
 use touchline_core::solve::base::BaseOptions;
-use std::collections::BTreeMap;
 use touchline_documents::document::{
     Camera, CameraId, Document, Frame, FrameStatus, ShotContent, shots_of_frames,
 };
@@ -32,7 +32,7 @@ use touchline_vision::relocalize::CERTAIN;
 const MIN_CONFIDENCE: f64 = 0.5;
 
 /// Maximum number of tracked frames that a forest learns from, and of frames of other shots that it
-/// is queried for.
+/// is queried for, where these shots are not too many.
 const MAX_LEARNT: usize = 60;
 const MAX_ASKED: usize = 60;
 
@@ -150,8 +150,8 @@ impl Labelling<'_> {
     }
 }
 
-/// Some frames of the shots without a camera: a few of each that shows a field, and at least
-/// [`MAX_ASKED`] of all where there are so many.
+/// Some frames without a camera of the shots that show a field, of each about as many: about
+/// [`MAX_ASKED`] of all shots, or more where the shots are many.
 fn frames_to_ask(document: &Document) -> Vec<usize> {
     let shots = shots_of_frames(document);
     let mut open: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();

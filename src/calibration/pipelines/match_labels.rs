@@ -1,13 +1,15 @@
 //! Labelling a match: from the pictures of its frames, and the clicks if there are any, to a camera
 //! for each.
 //!
-//! 0. The shots of a video are found, and which of them show a field (`shots.rs`). Where clicks determine the camera of a video, it is labelled from them (`clicked_match.rs`).
+//! 0. The shots of a video are found, and which of them show a field (`shots.rs`). Where clicks
+//!    determine the camera of a video, it is labelled from them (`clicked_match.rs`).
 //!    Else:
 //! 1. The camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
 //! 2. Frames that overlap with none of its frames belong to another camera, which is found in the
 //!    same way, and so on.
 //! 3. The frames that were not sampled follow. Those of a video are tracked from the others, and
-//!    the base is refined on the paint of all of them; for images, a forest is trained on the
+//!    the base is refined on the paint of all of them; shots without a known frame are answered by
+//!    a forest that learns from the tracked frames, and are tracked in their turn. For images, a forest is trained on the
 //!    frames that lie on their paint, and queried.
 
 use super::forest_labels::{
@@ -346,9 +348,7 @@ pub(super) fn frames_without_camera(document: &Document) -> Vec<usize> {
     (0..document.frames.len())
         .filter(|&index| {
             let frame = &document.frames[index];
-            frame.ptz.is_none()
-                && frame.status != FrameStatus::Rejected
-                && !is_between_shots[index]
+            frame.ptz.is_none() && frame.status != FrameStatus::Rejected && !is_between_shots[index]
         })
         .collect()
 }

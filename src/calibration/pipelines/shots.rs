@@ -71,7 +71,9 @@ pub fn mark_shots(
         mark_contents(document, folder, reader);
     }
     let shots = document.shots.iter();
-    shots.filter(|shot| shot.kind != ShotKind::Transition).count()
+    shots
+        .filter(|shot| shot.kind != ShotKind::Transition)
+        .count()
 }
 
 /// The videos that have no shots yet and of which the document has every frame from the first one,
@@ -148,7 +150,10 @@ fn ground_share(ground: &GroundPicture) -> f64 {
     let count = (0..STEPS)
         .flat_map(|row| (0..STEPS).map(move |column| (column, row)))
         .filter(|(column, row)| {
-            ground.is_ground(ImagePoint::new(at(*column, size.width), at(*row, size.height)))
+            ground.is_ground(ImagePoint::new(
+                at(*column, size.width),
+                at(*row, size.height),
+            ))
         })
         .count();
     count as f64 / f64::from(STEPS * STEPS)
@@ -180,7 +185,11 @@ mod tests {
     #[test]
     fn only_whole_videos_without_shots_are_searched() {
         let mut document = soccer_document();
-        for (video, frames) in [("whole.mp4", 0..4), ("marked.mp4", 0..4), ("late.mp4", 2..6)] {
+        for (video, frames) in [
+            ("whole.mp4", 0..4),
+            ("marked.mp4", 0..4),
+            ("late.mp4", 2..6),
+        ] {
             for index in frames {
                 let video = VideoFrame::new(video, index, None);
                 let frame = Frame::from_video(video, "main".into(), ImageSize::new(64, 36));

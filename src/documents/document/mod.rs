@@ -160,6 +160,4 @@ pub use versions::merge::{Merged, merge};
 pub(crate) use versions::merge::{join_result, merge_newer};
 pub use versions::package::{restore_package, split_into_packages};
 pub use versions::restored::{OtherPictures, Restored};
-pub use video_shots::{
-    FoundCuts, ShotsError, VideoShots, frames_in_transitions, shots_of_frames,
-};
+pub use video_shots::{FoundCuts, ShotsError, VideoShots, frames_in_transitions, shots_of_frames};

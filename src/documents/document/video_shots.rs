@@ -369,7 +369,10 @@ pub fn shots_of_frames(document: &Document) -> Vec<Option<usize>> {
     for (index, shot) in document.shots.iter().enumerate() {
         let video = match &shot.from {
             ShotEnd::VideoFrame(_) => document.frames.first_video(),
-            ShotEnd::Frame(id) => document.frames.by_id(id).and_then(|frame| frame.video_path()),
+            ShotEnd::Frame(id) => document
+                .frames
+                .by_id(id)
+                .and_then(|frame| frame.video_path()),
         };
         let Some(video) = video else { continue };
         let ends = end(document, &shot.from, video).zip(end(document, &shot.to, video));

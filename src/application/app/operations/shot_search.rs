@@ -43,7 +43,10 @@ impl FoundShots {
     /// The number of shots, without the transitions between them.
     fn num_shots(&self) -> usize {
         let starts = self.cuts.iter();
-        starts.filter(|(_, kind)| *kind != ShotKind::Transition).count() + 1
+        starts
+            .filter(|(_, kind)| *kind != ShotKind::Transition)
+            .count()
+            + 1
     }
 }
 

@@ -73,11 +73,18 @@ mod tests {
         assert_eq!(clear.len(), 189);
         assert!(!clear.iter().any(|at| (90..101).contains(at)));
         document.shots[0].content = Some(ShotContent::NoField);
-        assert_eq!(frames_of_fields(&document, &all), (101..200).collect::<Vec<_>>());
+        assert_eq!(
+            frames_of_fields(&document, &all),
+            (101..200).collect::<Vec<_>>()
+        );
         for shot in &mut document.shots {
             shot.content = Some(ShotContent::NoField);
         }
-        assert_eq!(frames_of_fields(&document, &all), clear, "what is seen may be wrong");
+        assert_eq!(
+            frames_of_fields(&document, &all),
+            clear,
+            "what is seen may be wrong"
+        );
     }
 
     #[test]

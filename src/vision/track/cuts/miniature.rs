@@ -132,9 +132,10 @@ impl Miniature {
     /// Mean absolute difference per colour channel from the mixture of two others with the share
     /// `share` of `after`: small in a dissolve.
     pub fn difference_from_mixture(&self, before: &Self, after: &Self, share: f32) -> f32 {
-        let mixed = before.cells.iter().zip(&after.cells).map(|(a, b)| {
-            [0, 1, 2].map(|colour| (1.0 - share) * a[colour] + share * b[colour])
-        });
+        let mixed =
+            before.cells.iter().zip(&after.cells).map(|(a, b)| {
+                [0, 1, 2].map(|colour| (1.0 - share) * a[colour] + share * b[colour])
+            });
         let differences = self
             .cells
             .iter()
@@ -147,9 +148,11 @@ impl Miniature {
     /// in which each cell shows one of the two pictures.
     pub fn difference_from_either(&self, before: &Self, after: &Self) -> f32 {
         let nearer = before.cells.iter().zip(&after.cells);
-        let differences = self.cells.iter().zip(nearer).map(|(cell, (a, b))| {
-            cell_difference(cell, a).min(cell_difference(cell, b))
-        });
+        let differences = self
+            .cells
+            .iter()
+            .zip(nearer)
+            .map(|(cell, (a, b))| cell_difference(cell, a).min(cell_difference(cell, b)));
         differences.sum::<f32>() / self.cells.len() as f32
     }
 

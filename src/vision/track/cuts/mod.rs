@@ -265,7 +265,10 @@ impl CutFinder {
         // little in each frame. Of those that overlap, the one that is explained best.
         let is_gradual = |found: &&Gradual| {
             let Range { start, end } = found.frames;
-            hard.iter().filter(|cut| (start..=end).contains(*cut)).count() != 1
+            hard.iter()
+                .filter(|cut| (start..=end).contains(*cut))
+                .count()
+                != 1
         };
         let mut gradual: Vec<&Gradual> = self.gradual.iter().filter(is_gradual).collect();
         gradual.sort_by(|a, b| {
@@ -420,7 +423,8 @@ mod tests {
         let [only] = found else {
             panic!("{found:?} for {drawn:?}")
         };
-        let is_near = only.start.abs_diff(drawn.start) <= off && only.end.abs_diff(drawn.end) <= off;
+        let is_near =
+            only.start.abs_diff(drawn.start) <= off && only.end.abs_diff(drawn.end) <= off;
         assert!(is_near, "{only:?} for {drawn:?}");
     }
 
@@ -507,7 +511,11 @@ mod tests {
             let edge = 6.0 * (f64::from(at) - 44.0);
             frame(|x, y| {
                 let is_object = at > 43 && x > edge && x < edge + 40.0;
-                if is_object { [40.0, 40.0, 200.0] } else { colour(seed, x, y) }
+                if is_object {
+                    [40.0, 40.0, 200.0]
+                } else {
+                    colour(seed, x, y)
+                }
             })
         });
         assert!(found(frames).contains(&(40..40)));
