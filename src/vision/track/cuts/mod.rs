@@ -450,7 +450,7 @@ mod tests {
         for length in [6, 12, 24] {
             let share = |at: usize| ((at as f64 - 29.0) / (length as f64 + 1.0)).clamp(0.0, 1.0);
             let dissolve = (0..90).map(|at| {
-                let (share, turned) = (share(at), 0.5 * at as f64);
+                let (share, turned) = (share(at), 0.2 * at as f64);
                 frame(|x, y| {
                     let (before, after) = (colour(0.4, x + turned, y), colour(2.6, x, y));
                     [0, 1, 2].map(|colour| (1.0 - share) * before[colour] + share * after[colour])
