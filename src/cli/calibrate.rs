@@ -3,9 +3,11 @@
 use super::Outcome;
 use super::match_report::MatchReport;
 use super::new::{parameter, read_field};
+use super::shot_table::{describe_shots, is_every_field_answered};
 use crate::cli::terminal::document::{
     Destination, DocumentOutput, Loaded, is_document, refuse_unwritable,
 };
+use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::{
     encode_png, refuse_existing_file, refuse_file, refuse_other_than_png, write_file,
@@ -13,11 +15,13 @@ use crate::cli::terminal::output::{
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, RgbaImage};
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
 use touchline_calibration::calibrate::AutocalibratedCamera;
-use touchline_calibration::pipelines::{LabelledMatch, MatchLabels, MatchOptions, label_match};
+use touchline_calibration::pipelines::{
+    LabelledMatch, MatchEvent, MatchLabels, MatchOptions, label_match,
+};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, document_from_frames};
@@ -68,7 +72,8 @@ pub struct CalibrateArgs {
 }
 
 /// Makes the project, finds its camera, labels its frames and writes it. [`Outcome::SomeFailed`] if
-/// no camera was found, an image cannot be read, or a frame has no camera.
+/// no camera was found, an image cannot be read, or a frame of a field has no camera;
+/// [`Outcome::Stopped`] after Ctrl-C, when the cameras found until then are written.
 ///
 /// # Errors
 /// The folder exists, the field is invalid, the frames cannot be read, or the result cannot be
@@ -103,11 +108,18 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let options = MatchOptions {
         sampled_frames: args.look_at as usize,
         label_the_rest: !args.found_only,
+        find_shots: true,
     };
     let report = MatchReport::new(messages);
+    let interrupt = Interrupt::listen();
     let progress = Progress::new(|event| {
+        if let MatchEvent::Found { document, .. } = &event
+            && let Err(error) = output.write_draft(document, &folder)
+        {
+            messages.note(&format!("the project cannot be written yet: {error:#}"));
+        }
         report.hear(event);
-        ControlFlow::Continue(())
+        interrupt.check()
     });
     // Find the camera and label the frames.
     let labels = label_match(
@@ -120,6 +132,10 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     );
     drop(progress);
     drop(report);
+    if labels.is_err() && interrupt.is_pressed() {
+        messages.note("stopped; no camera was found yet, nothing was written");
+        return Ok(Outcome::Stopped);
+    }
     let labelled = match labels? {
         MatchLabels::Labelled(labelled) => labelled,
         MatchLabels::NoCamera(why) => {
@@ -161,8 +177,23 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let LabelledMatch {
         answered,
         unanswered,
+        is_stopped,
         ..
     } = labelled;
+    for line in describe_shots(&document) {
+        messages.note(&line);
+    }
+    for line in describe_different_fields(all) {
+        messages.note(&line);
+    }
+    if is_stopped {
+        let project = args.output.display();
+        messages.note(&format!(
+            "stopped: what was found until then is written; to go on: touchline track {project} \
+             --refine-base -o {project} --force"
+        ));
+        return Ok(Outcome::Stopped);
+    }
     if !args.found_only && (answered, unanswered) != (0, 0) {
         messages.note(&format!(
             "of the other frames {answered} got a suggested camera, {unanswered} none"
@@ -180,9 +211,46 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
             )?;
         }
     }
-    // With --found-only the other frames are left out on purpose, which is no failure.
-    let is_whole = args.found_only || unanswered == 0;
+    // With --found-only the other frames are left out on purpose, which is no failure; nor is a
+    // close-up without a camera.
+    let is_whole = args.found_only || unanswered == 0 || is_every_field_answered(&document);
     Ok(Outcome::from_failure(!(are_all_read && is_whole)))
+}
+
+/// What to say of cameras of which one measures a length of the field that another contradicts: they
+/// are of two stadiums, or one of them is wrong.
+fn describe_different_fields(cameras: &[Arc<AutocalibratedCamera>]) -> Vec<String> {
+    /// Measured lengths that are farther apart than this many 1-σ are of two fields.
+    const DIFFERENT_SIGMAS: f64 = 3.0;
+    let mut lines = Vec::new();
+    for (number, camera) in cameras.iter().enumerate() {
+        for (before, other) in cameras[..number].iter().enumerate() {
+            let measured = |camera: &AutocalibratedCamera| {
+                let sizes = camera.sizes.iter().filter(|size| !size.is_open);
+                sizes.cloned().collect::<Vec<_>>()
+            };
+            for size in measured(camera) {
+                let of_other = measured(other).into_iter().find(|it| it.name == size.name);
+                let Some(of_other) = of_other else { continue };
+                let apart_m = (size.value_m - of_other.value_m).abs();
+                let sigma_m = size.sigma_m.hypot(of_other.sigma_m);
+                if apart_m > DIFFERENT_SIGMAS * sigma_m {
+                    lines.push(format!(
+                        "cameras {} and {}: their fields differ, {} {:.2} ± {:.2} m and {:.2} ± {:.2} m; \
+                         they stand in two stadiums, or one of them is wrong",
+                        before + 1,
+                        number + 1,
+                        size.name.trim_end_matches("_m"),
+                        of_other.value_m,
+                        of_other.sigma_m,
+                        size.value_m,
+                        size.sigma_m
+                    ));
+                }
+            }
+        }
+    }
+    lines
 }
 
 /// A document that a person clicked in, with its paths as seen from the new project's folder.

@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent};
 use touchline_core::geometry::pluralise;
+use touchline_core::progress::Share;
 
 /// Length of the bar of a search. Its steps count differently, so that it shows their share.
 const PARTS: usize = 1000;
@@ -41,6 +42,23 @@ impl MatchReport {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         // The bar goes before a message, which would run into its line otherwise.
         match event {
+            MatchEvent::FindingShots(Share { done, of }) => {
+                let bar = shown.bar.of("Finding the shots", of);
+                bar.set_position(done as u64);
+            }
+            MatchEvent::Shots {
+                shots,
+                transitions,
+                without_field,
+            } => {
+                shown.bar.clear();
+                if shots > 1 {
+                    let between = pluralise(transitions, "transition");
+                    messages.note(&format!(
+                        "{shots} shots, {between} between them, {without_field} without a field"
+                    ));
+                }
+            }
             MatchEvent::Searching(progress) => {
                 let bar = shown.bar.of("Finding the camera", PARTS);
                 bar.set_message(progress.to_string());
@@ -54,6 +72,7 @@ impl MatchReport {
                 camera,
                 found,
                 separate_frames,
+                ..
             } => {
                 shown.bar.clear();
                 if let Some(count) = separate_frames {

@@ -25,6 +25,7 @@ mod refine_base;
 mod relocalize;
 mod render;
 mod season;
+mod shot_table;
 mod snap;
 mod solve;
 mod split;

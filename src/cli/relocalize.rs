@@ -21,8 +21,8 @@ use touchline_core::files::{folder_of, read_named};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
-    Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between,
-    resolve_path,
+    Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes,
+    frames_in_transitions, path_between, resolve_path,
 };
 use touchline_vision::media::{FrameReader, FrameSource, image_size};
 use touchline_vision::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
@@ -108,11 +108,12 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     messages.name_video_backend(&document);
     let before = document.clone();
     // Choose the frames: undecided ones, with `--resume` without an answer, with `--key-frames` not
-    // between key frames.
+    // between key frames; never those between two shots, which show two pictures or none.
+    let is_between_shots = frames_in_transitions(&document);
     let mut queried: Vec<usize> = (0..document.frames.len())
         .filter(|&index| {
             let frame = &document.frames[index];
-            frame.is_open() && !(args.resume && is_answered(frame))
+            frame.is_open() && !is_between_shots[index] && !(args.resume && is_answered(frame))
         })
         .collect();
     if args.key_frames {

@@ -71,6 +71,8 @@ pub fn calibrate(
     let options = MatchOptions {
         sampled_frames: look_at,
         label_the_rest: !found_only,
+        // Frames that Python decodes are read when they are needed, and these need few.
+        find_shots: !found_only,
     };
     let folder = std::path::absolute(".")?;
     // Texts and paths are sequences in Python, too, so that a path is tried first.

@@ -33,6 +33,7 @@ pub const TESTS: &[Test] = tests![
     [Ffmpeg] the_cuts_of_a_video_are_found;
     [Ffmpeg] interlaced_frames_are_shown_without_a_comb;
     [Frames, Ffmpeg] a_match_without_a_cut_has_one_shot;
+    [Frames, Ffmpeg] joined_clips_have_their_shots_and_transitions;
     [Ffmpeg] a_video_is_a_source_of_numbered_frames;
     [Frames, Ffmpeg] a_match_states_825_frames_and_has_817;
 ];
@@ -617,12 +618,67 @@ fn the_cuts_of_a_video_are_found() {
         &format!("{scenes} -filter_complex {joined} -c:v libx264 -g 50 -pix_fmt yuv420p cuts.mp4"),
     );
     let found = cuts(&folder.path().join("cuts.mp4"));
-    let [(50, ShotKind::Cut), (fade, ShotKind::Fade)] = found.cuts[..] else {
+    let [
+        (50, ShotKind::Cut),
+        (from, ShotKind::Transition),
+        (fade, ShotKind::Fade),
+    ] = found.cuts[..]
+    else {
         panic!("{found:?}")
     };
     // It begins with frame 85 and lasts 15.
-    assert!((85..=100).contains(&fade), "{fade}");
+    assert!(
+        from.abs_diff(85) <= 3 && fade.abs_diff(100) <= 3,
+        "{from}..{fade}"
+    );
     assert_eq!(found.last, 134);
+}
+
+fn joined_clips_have_their_shots_and_transitions() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = frames_folder();
+    let inputs = [
+        "video-soccer/match.mp4",
+        "wild/two-shots-360p.mp4",
+        "wild/chelsea-milan.mp4",
+    ]
+    .map(|name| format!("-i {}", data.join(name).display()))
+    .join(" ");
+    // A shot of the main camera, a cut to a close-up, a dissolve to the main camera, a cut to
+    // another stadium, a wipe to the first one.
+    let same = "setpts=PTS-STARTPTS,scale=640:360,fps=25,format=yuv420p,settb=1/25,setsar=1";
+    let part = |from: &str, frames: [usize; 2], to: &str| {
+        let [start, end] = frames;
+        format!("[{from}]trim=start_frame={start}:end_frame={end},{same}[{to}];")
+    };
+    let parts = [
+        "[0:v]split=3[m1][m2][m3];".to_owned(),
+        part("m1", [0, 150], "a"),
+        part("1:v", [484, 580], "b"),
+        part("m2", [400, 560], "c"),
+        part("2:v", [0, 100], "d"),
+        part("m3", [640, 800], "e"),
+    ]
+    .concat();
+    let joined = "[a][b]concat,settb=1/25[ab];\
+                  [ab][c]xfade=transition=fade:duration=0.6:offset=8[abc];\
+                  [abc][d]concat,settb=1/25[abcd];\
+                  [abcd][e]xfade=transition=wipeleft:duration=0.6:offset=17.12[o]";
+    ffmpeg(
+        folder.path(),
+        &format!("{inputs} -filter_complex {parts}{joined} -map [o] -c:v libx264 joined.mp4"),
+    );
+    let found = cuts(&folder.path().join("joined.mp4")).cuts;
+    let kinds: Vec<ShotKind> = found.iter().map(|(_, kind)| *kind).collect();
+    use ShotKind::{Cut, Fade, Transition};
+    assert_eq!(
+        kinds,
+        [Cut, Transition, Fade, Cut, Transition, Fade],
+        "{found:?}"
+    );
+    for ((frame, _), joined) in found.iter().zip([150, 200, 215, 360, 428, 443]) {
+        assert!(frame.abs_diff(joined) <= 3, "{found:?}");
+    }
 }
 
 fn a_match_without_a_cut_has_one_shot() {

@@ -11,6 +11,7 @@ use crate::autocalibrate::adjustment::neighbours::try_neighbouring_distances;
 use crate::autocalibrate::adjustment::refine::SearchedCamera;
 use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::field_prior::FieldPrior;
+use crate::autocalibrate::frames::by_shot::{frames_of_fields, spread_over_shots};
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::frames::sampled_frames::{
     MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly,
@@ -85,7 +86,8 @@ pub fn camera_without_clicks(
 struct Search<'a> {
     searched: SearchedCamera<'a>,
     field_prior: FieldPrior,
-    /// Indices of the camera's frames in the document, without rejected ones.
+    /// Indices of the camera's frames in the document, without rejected ones and those of
+    /// transitions and shots without a field.
     of_camera: Vec<usize>,
     /// The clicks that the search may use, with frames by their index in the document.
     clicks: Vec<GroundClick>,
@@ -109,7 +111,10 @@ impl<'a> Search<'a> {
                 camera,
                 is_size_unknown: field_prior.is_size_unknown(),
             },
-            of_camera: of_camera.map(|(index, _)| index).collect(),
+            of_camera: frames_of_fields(
+                document.document,
+                &of_camera.map(|(index, _)| index).collect::<Vec<_>>(),
+            ),
             field_prior,
             clicks: Vec::new(),
             progress,
@@ -280,11 +285,14 @@ impl<'a> Search<'a> {
         in_group.collect()
     }
 
-    /// The frames to sample: an even spread over those of the camera, and over those with a click.
+    /// The frames to sample: an even spread over those of the camera, with one of each shot where
+    /// that is possible, and over those with a click.
     fn choose_frames(&self, max_sampled: usize) -> Vec<usize> {
         let clicked: BTreeSet<usize> = self.clicks.iter().map(|click| click.frame).collect();
         let clicked: Vec<usize> = clicked.into_iter().collect();
-        let chosen: BTreeSet<usize> = spread_evenly(&self.of_camera, max_sampled)
+        let document = self.searched.document.document;
+        let chosen: BTreeSet<usize> = spread_over_shots(document, &self.of_camera, max_sampled)
+            .into_iter()
             .chain(spread_evenly(&clicked, max_sampled))
             .collect();
         chosen.into_iter().collect()

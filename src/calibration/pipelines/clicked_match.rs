@@ -19,9 +19,12 @@ use super::track_clips::{
 };
 use crate::calibrate::{ClipEvidence, ClipFrames, clips};
 use crate::proposals::FeatureStore;
+use std::collections::BTreeMap;
 use touchline_core::geometry::subsample;
 use touchline_core::solve::base::BaseOptions;
-use touchline_documents::document::{Camera, CameraId, Document, Frame, FrameStatus};
+use touchline_documents::document::{
+    Camera, CameraId, Document, Frame, FrameStatus, ShotContent, shots_of_frames,
+};
 use touchline_vision::relocalize::CERTAIN;
 
 /// Minimum mean confidence of the tracked frames. Where the clicks give a wrong base, the paint
@@ -29,9 +32,12 @@ use touchline_vision::relocalize::CERTAIN;
 const MIN_CONFIDENCE: f64 = 0.5;
 
 /// Maximum number of tracked frames that a forest learns from, and of frames of other shots that it
-/// is queried for.
+/// is queried for, where these shots are not too many.
 const MAX_LEARNT: usize = 60;
 const MAX_ASKED: usize = 60;
+
+/// Minimum number of frames of a shot that the forest is queried for, however many shots there are.
+const MIN_ASKED_OF_SHOT: usize = 3;
 
 impl Labelling<'_> {
     /// Labels a match from the clicks in its frames. None, with the document unchanged, where the
@@ -106,8 +112,11 @@ impl Labelling<'_> {
 
     /// Queries a forest that learns from the tracked frames for some of the frames that tracking
     /// did not reach. True if it is certain of any.
-    fn label_other_shots(&mut self, document: &mut Document) -> Result<bool, LabelMatchError> {
-        let open: Vec<usize> = subsample(frames_without_camera(document), MAX_ASKED).collect();
+    pub(super) fn label_other_shots(
+        &mut self,
+        document: &mut Document,
+    ) -> Result<bool, LabelMatchError> {
+        let open = frames_to_ask(document);
         if open.is_empty() || self.progress.is_cancelled() {
             return Ok(false);
         }
@@ -139,6 +148,27 @@ impl Labelling<'_> {
             .iter()
             .any(|&index| is_certain(&document.frames[index])))
     }
+}
+
+/// Some frames without a camera of the shots that show a field, of each about as many: about
+/// [`MAX_ASKED`] of all shots, or more where the shots are many.
+fn frames_to_ask(document: &Document) -> Vec<usize> {
+    let shots = shots_of_frames(document);
+    let mut open: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
+    for frame in frames_without_camera(document) {
+        let shot = shots[frame];
+        let content = shot.and_then(|shot| document.shots[shot].content);
+        if content != Some(ShotContent::NoField) {
+            open.entry(shot).or_default().push(frame);
+        }
+    }
+    let of_shot = MAX_ASKED.div_ceil(open.len().max(1)).max(MIN_ASKED_OF_SHOT);
+    let mut asked: Vec<usize> = open
+        .into_values()
+        .flat_map(|frames| subsample(frames, of_shot))
+        .collect();
+    asked.sort_unstable();
+    asked
 }
 
 /// Whether a frame's camera is known, or found with certainty.

@@ -1,13 +1,15 @@
 //! Labelling a match: from the pictures of its frames, and the clicks if there are any, to a camera
 //! for each.
 //!
-//! 0. Where clicks determine the camera of a video, it is labelled from them (`clicked_match.rs`).
+//! 0. The shots of a video are found, and which of them show a field (`shots.rs`). Where clicks
+//!    determine the camera of a video, it is labelled from them (`clicked_match.rs`).
 //!    Else:
 //! 1. The camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
 //! 2. Frames that overlap with none of its frames belong to another camera, which is found in the
 //!    same way, and so on.
 //! 3. The frames that were not sampled follow. Those of a video are tracked from the others, and
-//!    the base is refined on the paint of all of them; for images, a forest is trained on the
+//!    the base is refined on the paint of all of them; shots without a known frame are answered by
+//!    a forest that learns from the tracked frames, and are tracked in their turn. For images, a forest is trained on the
 //!    frames that lie on their paint, and queried.
 
 use super::forest_labels::{
@@ -15,6 +17,7 @@ use super::forest_labels::{
     learn_forest,
 };
 use super::other_cameras::split_off;
+use super::shots::mark_shots;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
 use crate::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
@@ -23,13 +26,17 @@ use crate::autocalibrate::{
 use crate::calibrate::{AutocalibratedCamera, clips, record_found};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
 use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
-use touchline_core::progress::Progress;
-use touchline_documents::document::{CameraId, Document, DocumentAt, FrameStatus};
+use touchline_core::progress::{Progress, Share};
+use touchline_documents::document::{
+    CameraId, Document, DocumentAt, FrameStatus, Shot, ShotContent, ShotKind, frames_in_transitions,
+};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions};
 
@@ -40,6 +47,8 @@ pub struct MatchOptions {
     pub sampled_frames: usize,
     /// Whether the other frames are labelled as well. True by default.
     pub label_the_rest: bool,
+    /// Whether the shots of a video are found first, which reads all its frames. True by default.
+    pub find_shots: bool,
 }
 
 impl Default for MatchOptions {
@@ -47,6 +56,7 @@ impl Default for MatchOptions {
         Self {
             sampled_frames: 40,
             label_the_rest: true,
+            find_shots: true,
         }
     }
 }
@@ -54,6 +64,17 @@ impl Default for MatchOptions {
 /// Events while a match is labelled.
 #[derive(Debug)]
 pub enum MatchEvent {
+    /// The frames of a video are compared with their neighbours to find its shots.
+    FindingShots(Share),
+    /// The shots are known.
+    Shots {
+        /// Number of shots.
+        shots: usize,
+        /// Number of fades, dissolves and wipes between them.
+        transitions: usize,
+        /// Number of shots that show no field.
+        without_field: usize,
+    },
     /// Progress of the search for a camera.
     Searching(AutocalibrationProgress),
     /// The picture of a frame cannot be read. The search continues with the others.
@@ -72,6 +93,9 @@ pub enum MatchEvent {
         /// For every camera but the first: number of sampled frames that overlap with none of the
         /// cameras before.
         separate_frames: Option<usize>,
+        /// The present document, which has this camera: what is written now survives whatever ends
+        /// the program.
+        document: Box<Document>,
     },
     /// The clicks give the camera, and the frames tracked from them lie on their paint.
     FromClicks {
@@ -125,6 +149,8 @@ pub enum NoCamera {
         /// A click that decides between the two.
         deciding: Option<DecidingLandmark>,
     },
+    /// The search took as many steps as that of the first camera, and had no answer by then.
+    Expensive,
     /// No answer is certain.
     Abstained {
         /// Why.
@@ -140,6 +166,7 @@ impl NoCamera {
     pub const fn asks_for_clicks(&self) -> bool {
         match self {
             Self::Two { .. } => true,
+            Self::Expensive => false,
             Self::Abstained { clicks, .. } => clicks.is_some(),
         }
     }
@@ -154,6 +181,9 @@ impl NoCamera {
                 other,
                 deciding,
             } => describe_two(document, best, other, deciding.as_ref()),
+            Self::Expensive => "not found at the cost of the first camera; click 4 landmarks on 2 \
+                                of its frames in the window"
+                .to_owned(),
             Self::Abstained { why, clicks } => {
                 format!("{why}{}", describe_clicks(document, clicks.as_ref()))
             }
@@ -209,8 +239,11 @@ pub struct LabelledMatch {
     pub cameras: Vec<Arc<AutocalibratedCamera>>,
     /// Number of frames that were not sampled and have a camera now.
     pub answered: usize,
-    /// Number of frames without a camera; rejected ones do not count.
+    /// Number of frames without a camera; rejected ones and those between shots do not count.
     pub unanswered: usize,
+    /// Whether the work was cancelled after the first camera was found. What was done until then
+    /// is in the document.
+    pub is_stopped: bool,
 }
 
 impl LabelledMatch {
@@ -228,6 +261,7 @@ impl LabelledMatch {
             cameras,
             answered: answered.count(),
             unanswered: frames_without_camera(document).len(),
+            is_stopped: false,
         }
     }
 }
@@ -251,9 +285,12 @@ pub enum LabelMatchError {
 /// assigned, from the clicks in them or without any, and the other cameras among them, and writes
 /// the cameras of all frames as suggestions. `folder` is where the document's relative paths start.
 ///
+/// A cancellation before the first camera is found is an error; after that it ends the work, and
+/// what is done stays ([`LabelledMatch::is_stopped`]).
+///
 /// # Errors
 /// The field is not valid, features cannot be found, no forest can be trained, or `progress`
-/// cancelled the search.
+/// cancelled the search for the first camera.
 pub fn label_match(
     document: &mut Document,
     folder: &Path,
@@ -268,41 +305,50 @@ pub fn label_match(
         reader,
         options,
         progress,
+        search_steps: 0,
     };
+    if options.find_shots && has_video(labelling.document) {
+        labelling.find_shots()?;
+    }
     if options.label_the_rest
         && let Some(labelled) = labelling.label_from_clicks(camera)?
     {
         return Ok(MatchLabels::Labelled(labelled));
     }
-    let first = match labelling.search(camera)? {
+    let first = match labelling.search(camera, usize::MAX)? {
         Ok(found) => found,
         Err(why) => return Ok(MatchLabels::NoCamera(why)),
     };
     // The camera is written at once, because the frames of further cameras are split off from it.
     record_found(labelling.document, camera, &first);
-    // The search is over and cannot be cancelled; the following steps check for themselves.
+    // The following steps check for themselves whether the work is cancelled, and keep what is done.
     let _ = progress.report(MatchEvent::Found {
         camera: camera.clone(),
         found: Arc::clone(&first),
         separate_frames: None,
+        document: Box::new(labelling.document.clone()),
     });
     // Further cameras, then the frames that were not sampled.
     let cameras = labelling.find_other_cameras(camera.clone(), first)?;
     let open = frames_without_camera(labelling.document);
-    if options.label_the_rest && !open.is_empty() {
+    if options.label_the_rest && !open.is_empty() && !progress.is_cancelled() {
         labelling.label_the_rest(&cameras)?;
     }
-    let labelled = LabelledMatch::count(labelling.document, cameras, &open);
+    let labelled = LabelledMatch {
+        is_stopped: progress.is_cancelled(),
+        ..LabelledMatch::count(labelling.document, cameras, &open)
+    };
     Ok(MatchLabels::Labelled(labelled))
 }
 
-/// The indices of a document's frames that have no camera, without rejected ones: a person decided
-/// that these get none.
+/// The indices of a document's frames that have no camera, without rejected ones, which a person
+/// decided on, and those of transitions between shots, which show two pictures or none.
 pub(super) fn frames_without_camera(document: &Document) -> Vec<usize> {
+    let is_between_shots = frames_in_transitions(document);
     (0..document.frames.len())
         .filter(|&index| {
             let frame = &document.frames[index];
-            frame.ptz.is_none() && frame.status != FrameStatus::Rejected
+            frame.ptz.is_none() && frame.status != FrameStatus::Rejected && !is_between_shots[index]
         })
         .collect()
 }
@@ -393,13 +439,37 @@ pub(super) struct Labelling<'a> {
     pub reader: &'a mut dyn ReadFrames,
     options: &'a MatchOptions,
     pub progress: &'a Progress<'a, MatchEvent>,
+    /// The number of steps that the last search took.
+    search_steps: usize,
 }
 
 impl Labelling<'_> {
-    /// Searches for a camera. Each picture that cannot be read is reported once.
+    /// Finds the shots of videos that have none in the document yet.
+    fn find_shots(&mut self) -> Result<(), AutocalibrationError> {
+        let progress = self.progress.part(MatchEvent::FindingShots);
+        mark_shots(self.document, self.folder, self.reader, &progress);
+        if progress.is_cancelled() {
+            return Err(AutocalibrationError::Stopped);
+        }
+        let count = |is_one: fn(&Shot) -> bool| {
+            let shots = self.document.shots.iter();
+            shots.filter(|shot| is_one(shot)).count()
+        };
+        let transitions = count(|shot| shot.kind == ShotKind::Transition);
+        let _ = self.progress.report(MatchEvent::Shots {
+            shots: self.document.shots.len() - transitions,
+            transitions,
+            without_field: count(|shot| shot.content == Some(ShotContent::NoField)),
+        });
+        Ok(())
+    }
+
+    /// Searches for a camera. Each picture that cannot be read is reported once. The search ends
+    /// after `most_steps` of its steps, and then gives [`NoCamera::Expensive`].
     fn search(
         &mut self,
         camera: &CameraId,
+        most_steps: usize,
     ) -> Result<Result<Arc<AutocalibratedCamera>, NoCamera>, AutocalibrationError> {
         let at = self.document.at(self.folder);
         let mut unreadable = BTreeSet::new();
@@ -418,30 +488,40 @@ impl Labelling<'_> {
                 }
             }
         };
-        let progress = self.progress.part(MatchEvent::Searching);
-        Ok(
-            match find_camera(
-                at,
-                camera,
-                self.options.sampled_frames,
-                &mut picture,
-                &progress,
-            )? {
-                AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
-                AutocalibrationAnswer::Two {
-                    best,
-                    other,
-                    deciding,
-                } => Err(NoCamera::Two {
-                    best,
-                    other,
-                    deciding,
-                }),
-                AutocalibrationAnswer::Abstained { why, clicks } => {
-                    Err(NoCamera::Abstained { why, clicks })
-                }
-            },
-        )
+        // Its own progress, so that the limit does not cancel the whole work.
+        let steps = AtomicUsize::new(0);
+        let progress = Progress::new(|step| {
+            let is_over = steps.fetch_add(1, Ordering::Relaxed) >= most_steps;
+            match self.progress.report(MatchEvent::Searching(step)) {
+                ControlFlow::Continue(()) if is_over => ControlFlow::Break(()),
+                answer => answer,
+            }
+        });
+        let sampled_frames = self.options.sampled_frames;
+        let answer = find_camera(at, camera, sampled_frames, &mut picture, &progress);
+        drop(progress);
+        self.search_steps = steps.into_inner();
+        let answer = match answer {
+            Err(AutocalibrationError::Stopped) if !self.progress.is_cancelled() => {
+                return Ok(Err(NoCamera::Expensive));
+            }
+            answer => answer?,
+        };
+        Ok(match answer {
+            AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
+            AutocalibrationAnswer::Two {
+                best,
+                other,
+                deciding,
+            } => Err(NoCamera::Two {
+                best,
+                other,
+                deciding,
+            }),
+            AutocalibrationAnswer::Abstained { why, clicks } => {
+                Err(NoCamera::Abstained { why, clicks })
+            }
+        })
     }
 
     /// Splits off the frames that overlap with none of a camera's frames as a new camera, searches
@@ -454,19 +534,27 @@ impl Labelling<'_> {
         // Each search leaves the frames that did not match its group; the next camera is searched
         // among these. A search without an answer ends it.
         let (mut found, mut of) = (vec![first], camera);
+        // What one camera costs is a measure for the others: their frames are fewer, and where
+        // there is no answer, the search tries all places with more and more frames.
+        let most_steps = self.search_steps;
         while let Some(last) = found.last() {
             let sampled: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
             let Some(other) = split_off(self.document, &of, &sampled, &last.others) else {
                 break;
             };
             let separate_frames = last.others.len();
-            match self.search(&other)? {
+            let answer = match self.search(&other, most_steps) {
+                Err(AutocalibrationError::Stopped) => break,
+                answer => answer?,
+            };
+            match answer {
                 Ok(camera) => {
                     record_found(self.document, &other, &camera);
                     let _ = self.progress.report(MatchEvent::Found {
                         camera: other.clone(),
                         found: Arc::clone(&camera),
                         separate_frames: Some(separate_frames),
+                        document: Box::new(self.document.clone()),
                     });
                     found.push(camera);
                     of = other;
@@ -496,12 +584,36 @@ impl Labelling<'_> {
         if !has_video(self.document) {
             return self.label_by_forest(found);
         }
-        // The base comes from the sampled frames only, so refine it on all of them.
+        // The base comes from the sampled frames only, so it is refined on all of them.
+        self.track_known_shots(true)?;
+        // Shots without a sampled frame of their own camera are answered by a forest.
+        if !self.progress.is_cancelled() {
+            let mut document = self.document.clone();
+            match self.label_other_shots(&mut document) {
+                Ok(true) => {
+                    *self.document = document;
+                    self.track_known_shots(false)?;
+                }
+                // What was tracked stays where nothing can be learnt from it.
+                Ok(false) | Err(LabelMatchError::Learn(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// Tracks the shots in which a frame has a camera and another one has none.
+    fn track_known_shots(&mut self, refine_base: bool) -> Result<(), LabelMatchError> {
         let options = TrackingOptions {
-            refine_base: true,
+            refine_base,
             ..TrackingOptions::default()
         };
-        let clips = clips(self.document.at(self.folder), None);
+        let mut clips = clips(self.document.at(self.folder), None);
+        clips.retain(|clip| {
+            let places = || clip.frames.iter().filter_map(|frame| frame.place);
+            let is_known = |place: usize| self.document.frames[place].ptz.is_some();
+            places().any(is_known) && !places().all(is_known)
+        });
         let progress = self.progress.part(MatchEvent::Tracking);
         track_clips(
             self.document,

@@ -4,6 +4,7 @@ use super::messages::Messages;
 use super::output::{ending, is_pipe_or_device, print, refuse_existing, write_file};
 use anyhow::bail;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Document, document_to_string};
 use touchline_documents::store::{
@@ -105,6 +106,7 @@ impl DocumentOutput {
             output: self.output.clone(),
             force: self.force,
             place: Place::Free,
+            has_draft: AtomicBool::new(false),
             messages,
         };
         let Some(path) = self.output.as_deref() else {
@@ -169,6 +171,8 @@ pub struct Destination {
     output: Option<PathBuf>,
     force: bool,
     place: Place,
+    /// Whether a draft of a new document was written.
+    has_draft: AtomicBool,
     /// The messages of the command.
     pub messages: Messages,
 }
@@ -196,6 +200,28 @@ impl Destination {
             }),
             _ => Loaded::read(path, self.messages),
         }
+    }
+
+    /// Writes a new document while the work goes on, so that a program that is killed leaves it.
+    /// One that replaces another document is written at the end only, and so is text for a pipe.
+    ///
+    /// # Errors
+    /// The output was made meanwhile, or cannot be written.
+    pub fn write_draft(&self, document: &Document, folder: &Path) -> anyhow::Result<()> {
+        let file = self.output.as_deref();
+        let (Place::Free, Some(path)) = (&self.place, file.filter(|path| !is_pipe_or_device(path)))
+        else {
+            return Ok(());
+        };
+        let is_draft = self.has_draft.load(Ordering::Relaxed);
+        if !is_draft {
+            refuse_existing(path, self.force)?;
+        }
+        let location = Location::for_new_document(path)?;
+        let document = document.clone().relocate(folder, location.folder());
+        write_document(&location, &document, self.force || is_draft)?;
+        self.has_draft.store(true, Ordering::Relaxed);
+        Ok(())
     }
 
     /// Writes a document whose relative paths start from `folder`. They are changed so that they
@@ -226,9 +252,16 @@ impl Destination {
         match self.place {
             Place::Free => {
                 // A file that was made since is refused as before the work.
-                refuse_existing(path, self.force)?;
+                let has_draft = self.has_draft.into_inner();
+                if !has_draft {
+                    refuse_existing(path, self.force)?;
+                }
                 let location = Location::for_new_document(path)?;
-                write_document(&location, &relocate(&location)?, self.force)?;
+                write_document(&location, &relocate(&location)?, self.force || has_draft)?;
+                if has_draft {
+                    // The draft is nobody's earlier version. Without it there is nothing to remove.
+                    let _ = std::fs::remove_file(location.backup());
+                }
             }
             Place::Other(reserved) => {
                 let document = relocate(reserved.location())?;

@@ -141,7 +141,7 @@ pub use model::imported_camera::ImportedCamera;
 pub use model::mask::{MaskSource, RangedMask};
 pub use model::repeat::Repeat;
 pub use model::shared::Shared;
-pub use model::shot::{Shot, ShotEnd, ShotKind};
+pub use model::shot::{Shot, ShotContent, ShotEnd, ShotKind};
 pub use model::solution::{
     BetterName, FramePtz, PaintEvidence, Proposed, Solution, SolutionSource, SolutionWarning,
     TimingsMs,
@@ -160,4 +160,4 @@ pub use versions::merge::{Merged, merge};
 pub(crate) use versions::merge::{join_result, merge_newer};
 pub use versions::package::{restore_package, split_into_packages};
 pub use versions::restored::{OtherPictures, Restored};
-pub use video_shots::{FoundCuts, ShotsError, VideoShots};
+pub use video_shots::{FoundCuts, ShotsError, VideoShots, frames_in_transitions, shots_of_frames};

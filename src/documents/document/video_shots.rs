@@ -4,6 +4,7 @@
 //! frame's `clip` has the shot that it belongs to. [`VideoShots::write`] keeps both consistent.
 
 use super::{Clip, Document, Extra, Frame, Shot, ShotEnd, ShotKind};
+use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// The shots of one video in order, without gaps between the first frame and the last.
@@ -117,12 +118,12 @@ impl VideoShots {
             .map(|start| start.from)
             .collect();
         by_hand.sort_unstable();
-        // A fade has no exact frame: the one that a person chose within it stands for it.
+        // A fade has no exact frame: the one that a person chose within it stands for it, or for
+        // the end of the transition that it is in.
         let is_marked = |from: u64, kind: ShotKind| {
-            let within = if kind == ShotKind::Fade {
-                FADE_FRAMES
-            } else {
-                0
+            let within = match kind {
+                ShotKind::Fade | ShotKind::Transition => FADE_FRAMES,
+                ShotKind::Cut | ShotKind::ByHand => 0,
             };
             by_hand.iter().any(|cut| cut.abs_diff(from) <= within)
         };
@@ -235,13 +236,17 @@ impl VideoShots {
         Ok(())
     }
 
-    /// Joins the shot that begins at a frame with the one before it.
+    /// Joins the shot that begins at a frame with the one before it. A transition between the two
+    /// goes as well, because nothing would end it.
     ///
     /// # Errors
     /// None begins there, or it is the first one.
     pub fn remove(&mut self, frame: u64) -> Result<(), ShotsError> {
         let at = self.cut_at(frame)?;
         self.starts.remove(at);
+        if self.starts[at - 1].shot.kind == ShotKind::Transition && at > 1 {
+            self.starts.remove(at - 1);
+        }
         Ok(())
     }
 
@@ -267,7 +272,10 @@ impl VideoShots {
         }
         if frame != cut {
             self.starts[at].from = frame;
-            self.starts[at].shot.kind = ShotKind::ByHand;
+            // The beginning of a transition that was moved is still that of a transition.
+            if self.starts[at].shot.kind != ShotKind::Transition {
+                self.starts[at].shot.kind = ShotKind::ByHand;
+            }
         }
         Ok(())
     }
@@ -342,6 +350,49 @@ impl VideoShots {
     }
 }
 
+/// Whether each frame of a document lies in a transition between two shots; such frames show two
+/// pictures or none, and get no camera.
+#[must_use]
+pub fn frames_in_transitions(document: &Document) -> Vec<bool> {
+    let mut inside = vec![false; document.frames.len()];
+    for (place, shot) in shots_of_frames(document).into_iter().enumerate() {
+        inside[place] = shot.is_some_and(|shot| document.shots[shot].kind == ShotKind::Transition);
+    }
+    inside
+}
+
+/// For each frame of a document, the index of the shot that the document lists it in.
+#[must_use]
+pub fn shots_of_frames(document: &Document) -> Vec<Option<usize>> {
+    // The shots of each video, by their first frames.
+    let mut of_video: BTreeMap<&str, Vec<(u64, u64, usize)>> = BTreeMap::new();
+    for (index, shot) in document.shots.iter().enumerate() {
+        let video = match &shot.from {
+            ShotEnd::VideoFrame(_) => document.frames.first_video(),
+            ShotEnd::Frame(id) => document
+                .frames
+                .by_id(id)
+                .and_then(|frame| frame.video_path()),
+        };
+        let Some(video) = video else { continue };
+        let ends = end(document, &shot.from, video).zip(end(document, &shot.to, video));
+        if let Some((from, to)) = ends {
+            of_video.entry(video).or_default().push((from, to, index));
+        }
+    }
+    for shots in of_video.values_mut() {
+        shots.sort_unstable();
+    }
+    let shot_of = |frame: &Frame| {
+        let video = frame.video.as_ref()?;
+        let shots = of_video.get(video.path.as_str())?;
+        let behind = shots.partition_point(|(from, ..)| *from <= video.frame_index);
+        let (_, to, index) = shots[behind.checked_sub(1)?];
+        (video.frame_index <= to).then_some(index)
+    };
+    document.frames.iter().map(|frame| shot_of(frame)).collect()
+}
+
 /// The number after all clip numbers of a document's frames and of these shots.
 fn free_number(document: &Document, starts: &[Start]) -> i64 {
     let of_frames = document
@@ -365,6 +416,7 @@ fn shot(kind: ShotKind) -> Shot {
         to: ShotEnd::VideoFrame(0),
         camera: None,
         kind,
+        content: None,
         extra: Extra::new(),
     }
 }
@@ -547,6 +599,33 @@ mod tests {
         VideoShots::from_search(&document, "a.mp4", found).write(&mut document);
         let starts: Vec<_> = spans(&document).iter().map(|span| span.0).collect();
         assert_eq!(starts, [0, 6, 7]);
+    }
+
+    #[test]
+    fn a_transition_has_its_frames_and_goes_with_its_cut() {
+        let mut document = document(&["a.mp4"], 1);
+        let cuts = [(3, ShotKind::Transition), (6, ShotKind::Fade)];
+        VideoShots::from_cuts(&document, "a.mp4", 11, &cuts).write(&mut document);
+        let found = [
+            (0, 2, ShotKind::Cut),
+            (3, 5, ShotKind::Transition),
+            (6, 11, ShotKind::Fade),
+        ];
+        assert_eq!(spans(&document), found);
+        let inside: Vec<usize> = (0..12)
+            .filter(|at| frames_in_transitions(&document)[*at])
+            .collect();
+        assert_eq!(inside, [3, 4, 5]);
+        let mut shots = VideoShots::from_document(&document, "a.mp4").unwrap();
+        shots.move_cut(3, 4).unwrap();
+        shots.write(&mut document);
+        assert_eq!(spans(&document)[1], (4, 5, ShotKind::Transition));
+        // Without the cut at its end, nothing would end the transition.
+        let mut shots = VideoShots::from_document(&document, "a.mp4").unwrap();
+        shots.remove(6).unwrap();
+        shots.write(&mut document);
+        assert_eq!(spans(&document), [(0, 11, ShotKind::Cut)]);
+        assert!(!frames_in_transitions(&document).contains(&true));
     }
 
     #[test]

@@ -46,6 +46,8 @@ impl Work<'_> {
         let options = MatchOptions {
             sampled_frames: self.of_match.look_at,
             label_the_rest: false,
+            // Each label shard sees a window of frames only; this one reads few frames of a match.
+            find_shots: false,
         };
         let mut reader = FrameReader::new();
         let progress = self.progress.part(ShardEvent::Frames);

@@ -432,6 +432,7 @@ fn shots_of_another_video_stay_behind() {
             to,
             camera: None,
             kind: ShotKind::Cut,
+            content: None,
             extra: Extra::new(),
         });
     }

@@ -7,6 +7,7 @@ use crate::app::{App, Command, Effect};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use touchline_calibration::pipelines::shot_starts;
 use touchline_core::progress::{Progress, Share};
 use touchline_documents::document::{
     Document, EditKind, FoundCuts, Frame, FrameStatus, ShotKind, Step, VideoShots,
@@ -36,6 +37,17 @@ pub struct FoundShots {
     pub last: u64,
     /// The index of the first frame of every shot but the first, and the kind of its beginning.
     pub cuts: Vec<(u64, ShotKind)>,
+}
+
+impl FoundShots {
+    /// The number of shots, without the transitions between them.
+    fn num_shots(&self) -> usize {
+        let starts = self.cuts.iter();
+        starts
+            .filter(|(_, kind)| *kind != ShotKind::Transition)
+            .count()
+            + 1
+    }
 }
 
 /// The search on the open document.
@@ -130,17 +142,9 @@ impl ShotSearch {
                 path: self.path.clone(),
             });
         }
-        let cuts = cuts.into_iter().map(|cut| {
-            let kind = if cut.is_fade {
-                ShotKind::Fade
-            } else {
-                ShotKind::Cut
-            };
-            (cut.frame as u64, kind)
-        });
         Ok(FoundShots {
             last: of.saturating_sub(1) as u64,
-            cuts: cuts.collect(),
+            cuts: shot_starts(&cuts),
         })
     }
 }
@@ -251,7 +255,7 @@ impl App {
 
     /// Writes the found shots into the document, beneath what the user has marked meanwhile.
     fn mark_found_shots(&mut self, search: &ShotSearch, found: &FoundShots) {
-        let count = found.cuts.len() + 1;
+        let count = found.num_shots();
         let name = if count == 1 {
             "Mark the shot".to_owned()
         } else {
@@ -293,10 +297,13 @@ fn describe(found: &FoundShots) -> String {
         .iter()
         .filter(|(_, kind)| *kind == ShotKind::Fade)
         .count();
-    let unsure = match fades {
+    let fades = match fades {
         0 => String::new(),
-        1 => " One is a fade; its position is uncertain.".to_owned(),
-        fades => format!(" {fades} are fades; their positions are uncertain."),
+        1 => " One begins after a fade, dissolve or wipe; the frames of that get no camera."
+            .to_owned(),
+        fades => format!(
+            " {fades} begin after a fade, dissolve or wipe; the frames of these get no camera."
+        ),
     };
-    format!("{} shots found.{unsure}", found.cuts.len() + 1)
+    format!("{} shots found.{fades}", found.num_shots())
 }

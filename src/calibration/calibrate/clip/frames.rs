@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use touchline_documents::document::{CameraId, Clip, DocumentAt, FrameStatus};
+use touchline_documents::document::{
+    CameraId, Clip, DocumentAt, FrameStatus, frames_in_transitions,
+};
 use touchline_vision::media::FrameRef;
 
 /// A picture of a clip.
@@ -56,19 +58,21 @@ const GAP: usize = 300;
 
 /// The clips of a document: the frames of each video, with the frames in between that the document
 /// leaves out, and the images of each camera and shot in the document's order. Rejected frames
-/// belong to none. With `within`, only frames of a video with these numbers and images at these
+/// and those of transitions between shots belong to none. With `within`, only frames of a video with these numbers and images at these
 /// indices count.
 #[must_use]
 pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -> Vec<ClipFrames> {
     type Key<'a> = (&'a CameraId, Option<&'a Clip>, Option<PathBuf>);
     let mut of_key: BTreeMap<Key<'_>, usize> = BTreeMap::new();
     let mut groups: Vec<(CameraId, Vec<(usize, FrameRef)>)> = Vec::new();
+    let is_between_shots = frames_in_transitions(document.document);
     for (place, frame) in document.document.frames.iter().enumerate() {
         let Some(source) = frame.picture_source(document.folder) else {
             continue;
         };
         let number = video_frame_number(&source).unwrap_or(place);
         if frame.status == FrameStatus::Rejected
+            || is_between_shots[place]
             || within.is_some_and(|within| !within.contains(&number))
         {
             continue;
@@ -165,7 +169,7 @@ mod tests {
     use super::*;
     use std::path::Path;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Document, VideoFrame};
+    use touchline_documents::document::{Document, ShotKind, VideoFrame, VideoShots};
     use touchline_documents::testing::{new_frame, soccer_document};
 
     fn document(frames: &[(&str, Option<u64>)]) -> Document {
@@ -218,6 +222,18 @@ mod tests {
         assert_eq!(
             listed(&document, Some(&(5..=8))),
             [vec![Some(0)], vec![Some(2)]]
+        );
+    }
+
+    #[test]
+    fn frames_of_a_transition_belong_to_no_clip() {
+        let names: Vec<_> = (0..6).map(|number| ("v.mp4", Some(number))).collect();
+        let mut document = document(&names);
+        let cuts = [(2, ShotKind::Transition), (4, ShotKind::Fade)];
+        VideoShots::from_cuts(&document, "v.mp4", 5, &cuts).write(&mut document);
+        assert_eq!(
+            listed(&document, None),
+            [[Some(0), Some(1)], [Some(4), Some(5)]]
         );
     }
 

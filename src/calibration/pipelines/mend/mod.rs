@@ -258,7 +258,13 @@ impl Mending<'_> {
             .with_progress(self.progress.part(MendEvent::Cuts));
         let cuts = find_cuts(stream.map(|frame| frame.picture.ok()));
         self.stop_if_cancelled()?;
-        Ok(cuts.into_iter().map(|cut| cut.frame).collect())
+        // A transition is a part of its own: its frames stand at the place of neither shot.
+        let mut starts: Vec<usize> = cuts
+            .into_iter()
+            .flat_map(|cut| [cut.transition.start, cut.frame])
+            .collect();
+        starts.dedup();
+        Ok(starts)
     }
 
     /// Estimates the base of a camera from the paint of its frames and aligns the frames to it.

@@ -128,6 +128,7 @@ mod tests {
                 to: ShotEnd::VideoFrame(1),
                 camera: None,
                 kind: ShotKind::Cut,
+                content: None,
                 extra: crate::document::Extra::new(),
             }];
         };

@@ -16,6 +16,9 @@ pub struct Shot {
     pub camera: Option<CameraId>,
     /// How it was found.
     pub kind: ShotKind,
+    /// What its pictures show, where that was examined.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub content: Option<ShotContent>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -39,8 +42,22 @@ pub enum ShotEnd {
 pub enum ShotKind {
     /// By a hard cut.
     Cut,
-    /// By a cross-fade.
+    /// By a fade, dissolve or wipe before it.
     Fade,
+    /// It is no shot, but the dissolve, wipe or fade between two: its frames show both or none, and
+    /// get no camera.
+    Transition,
     /// A person marked it.
     ByHand,
+}
+
+/// What the pictures of a shot show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum ShotContent {
+    /// The field with painted lines.
+    Field,
+    /// A close-up, the crowd, a studio, graphics: no lines of a field to measure.
+    NoField,
 }

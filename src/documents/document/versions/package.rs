@@ -219,6 +219,7 @@ mod tests {
                 to,
                 camera: None,
                 kind: ShotKind::Cut,
+                content: None,
                 extra,
             });
         }

@@ -268,7 +268,10 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
 const fn describe_cut(kind: ShotKind) -> &'static str {
     match kind {
         ShotKind::Cut => "A cut. Drag its handle to move it.",
-        ShotKind::Fade => "A fade: its position is uncertain. Drag its handle to move it.",
+        ShotKind::Fade => "The end of a fade, dissolve or wipe. Drag its handle to move it.",
+        ShotKind::Transition => {
+            "The beginning of a fade, dissolve or wipe; its frames get no camera. Drag its handle to move it."
+        }
         ShotKind::ByHand => "A cut that was marked by hand. Drag its handle to move it.",
     }
 }
@@ -447,12 +450,12 @@ impl Bar<'_> {
         }
     }
 
-    /// Draws a cut with its handle. A fade is dashed, because its position is uncertain.
+    /// Draws a cut with its handle. The ends of a fade are dashed.
     fn paint_cut(&self, painter: &Painter, position: usize, kind: ShotKind, colour: Color32) {
         let x = self.x(self.timeline.beginning_of(position));
         let (top, bottom) = (pos2(x, self.area.top() + 2.0), pos2(x, self.area.bottom()));
         let stroke = Stroke::new(1.0, colour);
-        if kind == ShotKind::Fade {
+        if matches!(kind, ShotKind::Fade | ShotKind::Transition) {
             painter.extend(Shape::dashed_line(&[top, bottom], stroke, 3.0, 3.0));
         } else {
             painter.line_segment([top, bottom], stroke);

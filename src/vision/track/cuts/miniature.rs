@@ -12,6 +12,8 @@ const HEIGHT: usize = 36;
 const SAMPLES: usize = 6;
 /// Largest shift tried, in columns and rows of a miniature of half the size.
 const COARSE_SHIFT: (i32, i32) = (8, 4);
+/// Zooms tried beside none. A camera changes its focal length by up to a third in half a second.
+const ZOOMS: [f32; 6] = [0.72, 0.81, 0.9, 1.1, 1.22, 1.35];
 
 /// A frame reduced to 64 × 36 cells of red, green and blue, whatever its shape.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,22 +80,87 @@ impl Miniature {
             .fold(f32::INFINITY, f32::min)
     }
 
-    /// Mean absolute difference from the mean of two others, without a shift; small in a cross-fade
-    /// from one to the other.
-    pub fn difference_from_blend(&self, before: &Self, after: &Self) -> f32 {
-        // Midway through a cross-fade a frame is the mean of both pictures, colour by colour.
-        let blended = before.cells.iter().zip(&after.cells);
+    /// Mean absolute difference per colour channel without a shift, 0 to 255.
+    pub fn plain_difference(&self, other: &Self) -> f32 {
         let sum: f32 = self
             .cells
             .iter()
-            .zip(blended)
-            .map(|(cell, (a, b))| {
-                (0..3)
-                    .map(|colour| (cell[colour] - 0.5 * (a[colour] + b[colour])).abs())
-                    .sum::<f32>()
-            })
+            .zip(&other.cells)
+            .map(|(a, b)| cell_difference(a, b))
             .sum();
-        sum / (3 * self.cells.len()) as f32
+        sum / self.cells.len() as f32
+    }
+
+    /// As [`Miniature::difference`], also under the zoom that fits best: the smallest difference
+    /// from the other miniature scaled about its middle.
+    pub fn difference_over_zoom(&self, other: &Self) -> f32 {
+        ZOOMS
+            .iter()
+            .map(|zoom| self.difference(&other.scale(*zoom)))
+            .fold(self.difference(other), f32::min)
+    }
+
+    /// The share α of `after` in the mixture (1 − α) `before` + α `after` that is nearest to this
+    /// picture, by least squares; 0 for two equal pictures.
+    ///
+    /// What moves within the pictures hardly disturbs α, because it has little in common with the
+    /// difference of the two.
+    pub fn share_of(&self, before: &Self, after: &Self) -> f32 {
+        let (mut along, mut length) = (0.0, 0.0);
+        for ((cell, a), b) in self.cells.iter().zip(&before.cells).zip(&after.cells) {
+            for colour in 0..3 {
+                let change = b[colour] - a[colour];
+                along += (cell[colour] - a[colour]) * change;
+                length += change * change;
+            }
+        }
+        if length > 0.0 { along / length } else { 0.0 }
+    }
+
+    /// The share of cells that look like `after` rather than like `before`, 0 to 1, of those in which
+    /// the two differ by more than `levels` grey levels.
+    pub fn share_of_cells(&self, before: &Self, after: &Self, levels: f32) -> f32 {
+        let cells = self.cells.iter().zip(&before.cells).zip(&after.cells);
+        let (mut like_after, mut count) = (0, 0);
+        for ((cell, a), b) in cells.filter(|((_, a), b)| cell_difference(a, b) > levels) {
+            count += 1;
+            like_after += usize::from(cell_difference(cell, b) < cell_difference(cell, a));
+        }
+        like_after as f32 / count.max(1) as f32
+    }
+
+    /// Mean absolute difference per colour channel from the mixture of two others with the share
+    /// `share` of `after`: small in a dissolve.
+    pub fn difference_from_mixture(&self, before: &Self, after: &Self, share: f32) -> f32 {
+        let mixed =
+            before.cells.iter().zip(&after.cells).map(|(a, b)| {
+                [0, 1, 2].map(|colour| (1.0 - share) * a[colour] + share * b[colour])
+            });
+        let differences = self
+            .cells
+            .iter()
+            .zip(mixed)
+            .map(|(cell, mixed)| cell_difference(cell, &mixed));
+        differences.sum::<f32>() / self.cells.len() as f32
+    }
+
+    /// Mean over the cells of the difference from the nearer one of two others: small in a wipe,
+    /// in which each cell shows one of the two pictures.
+    pub fn difference_from_either(&self, before: &Self, after: &Self) -> f32 {
+        let nearer = before.cells.iter().zip(&after.cells);
+        let differences = self
+            .cells
+            .iter()
+            .zip(nearer)
+            .map(|(cell, (a, b))| cell_difference(cell, a).min(cell_difference(cell, b)));
+        differences.sum::<f32>() / self.cells.len() as f32
+    }
+
+    /// The share of cells that differ by more than `levels` grey levels, 0 to 1.
+    pub fn share_of_changed_cells(&self, other: &Self, levels: f32) -> f32 {
+        let pairs = self.cells.iter().zip(&other.cells);
+        let changed = pairs.filter(|(a, b)| cell_difference(a, b) > levels);
+        changed.count() as f32 / self.cells.len() as f32
     }
 
     /// Mean absolute deviation of the cells from their mean, per colour channel; zero for a picture
@@ -109,6 +176,24 @@ impl Miniature {
                 .sum::<f32>()
         });
         deviations.sum::<f32>() / (3.0 * count)
+    }
+
+    /// The miniature enlarged by a factor about its middle; at a factor below 1 the outermost cells
+    /// are repeated.
+    fn scale(&self, factor: f32) -> Self {
+        let source = |at: usize, side: usize| {
+            let middle = 0.5 * (side as f32 - 1.0);
+            let from = middle + (at as f32 - middle) / factor;
+            (from.round().max(0.0) as usize).min(side - 1)
+        };
+        let columns: Vec<usize> = (0..WIDTH).map(|column| source(column, WIDTH)).collect();
+        let cells = (0..HEIGHT).flat_map(|row| {
+            let row = WIDTH * source(row, HEIGHT);
+            columns.iter().map(move |column| row + column)
+        });
+        Self {
+            cells: cells.map(|cell| self.cells[cell]).collect(),
+        }
     }
 
     /// The mean of each square of 2 × 2 cells, row by row.
@@ -129,6 +214,11 @@ impl Miniature {
         }
         half
     }
+}
+
+/// Mean absolute difference of two cells per colour channel.
+fn cell_difference(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+    ((a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs()) / 3.0
 }
 
 /// The pixels in the centres of `parts` equal parts of a side.

@@ -2,51 +2,96 @@
 //!
 //! A hard cut is a frame that differs from the previous one far more than neighbouring frames
 //! differ from each other, under every shift of the picture, and stays different: a camera's flash
-//! lasts one frame, and then the old picture is back. A fade is a frame that looks like the mean of
-//! two different frames, or a run of nearly empty frames in between. The position of a fade is
-//! uncertain and marked as such.
+//! lasts one or two frames, and then the old picture is back. Other transitions take time, and
+//! their frames show two pictures, or none:
+//!
+//! | transition | is found by |
+//! |---|---|
+//! | fade over black or white | a run of nearly empty frames, with the frames in which the contrast falls and rises |
+//! | dissolve, wipe | `gradual.rs`: mixtures or parts of the two pictures |
+//! | wipe with a graphic | a run of frames that each differ from the one before as in a cut |
+//!
+//! Frames are reduced to miniatures as they come, and only the last few of these are kept, so that
+//! a whole match can be searched in one pass.
 
+mod gradual;
 mod miniature;
 
 use crate::media::Picture;
+use gradual::{CHANGED, Frames, Gradual, LEAST_CHANGE, REACH, find_gradual};
 use miniature::Miniature;
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// Minimum difference of a cut, grey levels. Neighbouring frames of the fastest pans and zooms of
 /// two broadcasts differ by up to 5.3.
 const LEAST_CUT: f32 = 6.0;
 /// Minimum ratio of a cut's difference to the median difference around it.
 const CUT_OVER_MOTION: f32 = 2.5;
+/// Minimum share of the picture that a cut changes. A player who enters a close-up changes less.
+const LEAST_CUT_AREA: f32 = 0.4;
+/// A change of about the whole picture is a cut if it is that much larger than the largest
+/// difference around it.
+const WHOLE_AREA: f32 = 0.85;
+const CUT_OVER_LARGEST: f32 = 1.2;
+/// Maximum length of a flash, frames.
+const LONGEST_FLASH: usize = 3;
 /// Number of differences on each side that measure the usual motion around a frame.
 const AROUND: usize = 4;
-/// Half the length of the window in which fades are detected, frames.
-const HALF_FADE: usize = 8;
-/// Minimum difference between the two ends of a fade, grey levels.
-const LEAST_FADE: f32 = 12.0;
-/// Maximum difference of the middle frame of a fade from the mean of its ends, relative to the
-/// difference of the ends.
-const MOST_OFF_BLEND: f32 = 0.35;
+/// Half the distance of the frames that are compared to notice a gradual transition.
+const HALF_CHANGE: usize = 8;
 /// Frames of lower contrast are empty, grey levels.
 const EMPTY: f32 = 4.0;
-/// Minimum distance between a fade and any other cut, frames; a weaker one within it is part of the
-/// stronger one.
-const APART: usize = 2 * HALF_FADE;
+/// Maximum length of a run of empty frames within a fade; a longer one is a shot of its own.
+const MOST_EMPTY: usize = 32;
+/// In a fade the contrast changes by at least this much from frame to frame, grey levels.
+const FADE_STEP: f32 = 0.4;
+/// Maximum length of each half of a fade, frames.
+const HALF_FADE: usize = 30;
+/// In a wipe with a graphic, frames that change as in a cut are at most this far apart, frames.
+const GRAPHIC_GAP: usize = 3;
+/// Minimum number of such frames, and the maximum length of the wipe.
+const LEAST_GRAPHIC: usize = 3;
+const MOST_GRAPHIC: usize = 50;
+/// Minimum of the largest difference within such a wipe, grey levels.
+const GRAPHIC_PEAK: f32 = 10.0;
+/// Maximum of that difference, relative to the difference of the pictures before and after.
+const MOST_OF_GRAPHIC: f32 = 0.8;
+/// Hard cuts within this many frames belong to one transition: no shot is that short.
+const NO_SHOT: usize = 10;
+/// Number of frames that a transition is examined after, so that what follows it is known.
+const LAG: usize = REACH;
+/// Number of frames that are kept.
+const KEPT: usize = LAG + REACH + MOST_GRAPHIC;
 
 /// A shot boundary.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoundCut {
     /// The first frame of the new shot, from 0.
     pub frame: usize,
-    /// Whether it is a fade; its position is uncertain.
-    pub is_fade: bool,
+    /// The frames before it that belong to neither shot, as they show both pictures or none; empty
+    /// for a hard cut.
+    pub transition: Range<usize>,
+}
+
+impl FoundCut {
+    /// Whether the new shot begins after frames that belong to no shot.
+    #[must_use]
+    pub fn is_gradual(&self) -> bool {
+        !self.transition.is_empty()
+    }
 }
 
 /// Detects cuts in frames that are pushed one after the other without gaps.
 #[derive(Debug, Default)]
 struct CutFinder {
-    /// The latest frames, as many as the window of a fade has.
+    /// The latest frames.
     latest: VecDeque<Miniature>,
     measured: Vec<CutMeasurements>,
+    /// Dissolves and wipes.
+    gradual: Vec<Gradual>,
+    /// Wipes with a graphic.
+    graphics: Vec<Range<usize>>,
 }
 
 /// Measurements of one frame.
@@ -54,13 +99,14 @@ struct CutFinder {
 struct CutMeasurements {
     /// The difference from the previous frame, grey levels.
     step: f32,
-    /// The smallest difference between one of the two frames before it and this frame or the next
-    /// one. After a flash it is small.
+    /// The smallest difference between a frame before it and itself or a later one, as far apart
+    /// as a flash is long. At a flash it is small.
     lasting: f32,
-    /// Its difference from the mean of the ends of the window around it, and the difference of the
-    /// ends.
-    fade: Option<(f32, f32)>,
+    /// Whether the frames before and after it differ as in a gradual transition.
+    changes: bool,
     contrast: f32,
+    /// The share of the picture that differs from the previous frame, where the step may be a cut.
+    changed: f32,
 }
 
 /// The cuts in a sequence of pictures without gaps. A picture that could not be decoded (none)
@@ -79,48 +125,77 @@ pub fn find_cuts(pictures: impl IntoIterator<Item = Option<Picture>>) -> Vec<Fou
         }
     }
     finder
-        .cuts()
+        .finish()
         .into_iter()
         .map(|cut| FoundCut {
             frame: cut.frame + missing,
-            ..cut
+            transition: cut.transition.start + missing..cut.transition.end + missing,
         })
         .collect()
+}
+
+impl Frames for CutFinder {
+    fn frame(&self, number: usize) -> Option<&Miniature> {
+        let first = self.measured.len() - self.latest.len();
+        self.latest.get(number.checked_sub(first)?)
+    }
+
+    fn step(&self, number: usize) -> f32 {
+        self.measured.get(number).map_or(0.0, |frame| frame.step)
+    }
 }
 
 impl CutFinder {
     /// Adds the next frame.
     fn push(&mut self, frame: Miniature) {
-        // The first frame has no predecessor and is no cut: its difference is 0. Other differences
-        // that do not exist are ∞, so that they are no minimum.
+        // The first frame has no predecessor and is no cut: its difference is 0.
         let step = self.difference_from(1, &frame).unwrap_or(0.0);
-        let over_two = self.difference_from(2, &frame).unwrap_or(f32::INFINITY);
-        let over_three = self.difference_from(3, &frame).unwrap_or(f32::INFINITY);
-        // Only now is it known whether the change at the last frame persists.
-        if let Some(last) = self.measured.last_mut() {
-            last.lasting = last.lasting.min(over_two).min(over_three);
+        // A change persists if no later frame looks like an earlier one.
+        let mut lasting = step;
+        for back in 2..=LONGEST_FLASH + 1 {
+            let spanned = self.measured.len().saturating_sub(back - 1)..self.measured.len();
+            let is_any = |of: &[CutMeasurements]| of.iter().any(|of| of.step >= LEAST_CUT);
+            if step < LEAST_CUT && !is_any(&self.measured[spanned.clone()]) {
+                continue;
+            }
+            let Some(over) = self.difference_from(back, &frame) else {
+                break;
+            };
+            lasting = lasting.min(over);
+            for frame in &mut self.measured[spanned] {
+                frame.lasting = frame.lasting.min(over);
+            }
         }
-        let contrast = frame.contrast();
+        let changed = match self.latest.back() {
+            Some(last) if step >= LEAST_CUT => last.share_of_changed_cells(&frame, CHANGED),
+            _ => 0.0,
+        };
         self.measured.push(CutMeasurements {
             step,
-            lasting: step.min(over_two),
-            fade: None,
-            contrast,
+            lasting,
+            changes: false,
+            contrast: frame.contrast(),
+            changed,
         });
         self.latest.push_back(frame);
-        if self.latest.len() > 2 * HALF_FADE + 1 {
+        if self.latest.len() > KEPT {
             self.latest.pop_front();
         }
-        // Once the window is full, measure its middle frame as the middle of a fade.
-        if let (Some(first), Some(middle), Some(last)) = (
-            self.latest.front(),
-            self.latest.get(HALF_FADE),
-            self.latest.get(2 * HALF_FADE),
-        ) {
-            let off = middle.difference_from_blend(first, last);
-            let place = self.measured.len() - 1 - HALF_FADE;
-            self.measured[place].fade = Some((off, first.difference(last)));
+        let newest = self.measured.len() - 1;
+        if let Some(middle) = newest.checked_sub(HALF_CHANGE) {
+            self.measured[middle].changes = self.changes_around(middle);
         }
+        if let Some(at) = newest.checked_sub(LAG) {
+            self.examine(at);
+        }
+    }
+
+    /// Examines the frames that have no successors enough, and returns the cuts in frame order.
+    fn finish(&mut self) -> Vec<FoundCut> {
+        for at in self.measured.len().saturating_sub(LAG)..self.measured.len() {
+            self.examine(at);
+        }
+        self.cuts()
     }
 
     /// The difference of a new frame from the one `back` frames before it; `None` if there is none.
@@ -129,40 +204,104 @@ impl CutFinder {
         Some(frame.difference(self.latest.get(at)?))
     }
 
-    /// The cuts among the frames added so far, in frame order.
-    fn cuts(&self) -> Vec<FoundCut> {
-        // Fades over empty frames come first: a fade to black and back is one cut, not one on each
-        // side.
-        let mut cuts: Vec<FoundCut> = self
-            .empty_runs()
-            .into_iter()
-            .map(|frame| FoundCut {
-                frame,
-                is_fade: true,
-            })
-            .collect();
-        // Hard cuts have to be apart from these fades, but not from each other.
-        let hard: Vec<FoundCut> = (1..self.measured.len())
-            .filter(|&frame| self.is_cut(frame) && is_apart(&cuts, frame))
-            .map(|frame| FoundCut {
-                frame,
-                is_fade: false,
-            })
-            .collect();
-        cuts.extend(hard);
-        // Cross-fades, the most certain first; each suppresses weaker ones near it.
-        let mut blends: Vec<(f32, usize)> = (1..self.measured.len())
-            .filter_map(|frame| self.blend_at(frame))
-            .collect();
-        blends.sort_by(|(a, at), (b, before)| b.total_cmp(a).then(at.cmp(before)));
-        for (_, frame) in blends {
-            if is_apart(&cuts, frame) {
-                cuts.push(FoundCut {
-                    frame,
-                    is_fade: true,
-                });
+    /// Whether the frames before and after one differ under every shift.
+    fn changes_around(&self, middle: usize) -> bool {
+        let before = middle.checked_sub(HALF_CHANGE);
+        let (Some(before), Some(after)) = (
+            before.and_then(|at| self.frame(at)),
+            self.frame(middle + HALF_CHANGE),
+        ) else {
+            return false;
+        };
+        // The difference under the best shift is rarely the larger one, and far more expensive.
+        before.plain_difference(after) >= LEAST_CHANGE && before.difference(after) >= LEAST_CHANGE
+    }
+
+    /// Looks for a gradual transition with its middle, and for a wipe with a graphic with its end,
+    /// at a frame.
+    fn examine(&mut self, at: usize) {
+        if self.measured[at].changes {
+            let found = find_gradual(self, at);
+            self.gradual.extend(found);
+        }
+        let found = self.graphic_until(at);
+        self.graphics.extend(found);
+    }
+
+    /// The wipe with a graphic whose last change is at this frame: the first frame of the new shot.
+    fn graphic_until(&self, end: usize) -> Option<Range<usize>> {
+        let is_violent = |at: usize| self.measured[at].step >= LEAST_CUT;
+        let after = end + 1..(end + 1 + GRAPHIC_GAP).min(self.measured.len());
+        if !is_violent(end) || after.clone().any(is_violent) {
+            return None;
+        }
+        let (mut start, mut count, mut peak) = (end, 0, 0.0_f32);
+        for at in (end.saturating_sub(MOST_GRAPHIC)..=end).rev() {
+            if start - at > GRAPHIC_GAP {
+                break;
+            }
+            if is_violent(at) {
+                (start, count) = (at, count + 1);
+                peak = peak.max(self.measured[at].step);
             }
         }
+        if count < LEAST_GRAPHIC || peak < GRAPHIC_PEAK {
+            return None;
+        }
+        let (before, after) = (self.frame(start.checked_sub(1)?)?, self.frame(end)?);
+        let change = before.difference(after);
+        // One frame that brings the whole change is a hard cut in a picture that moves fast.
+        (change >= LEAST_CHANGE && peak < MOST_OF_GRAPHIC * change).then_some(start..end)
+    }
+
+    /// The cuts among the frames added so far, in frame order.
+    fn cuts(&self) -> Vec<FoundCut> {
+        let mut spans = self.fades();
+        spans.extend(self.graphics.iter().cloned());
+        let hard: Vec<usize> = (1..self.measured.len())
+            .filter(|&frame| self.is_cut(frame))
+            .collect();
+        // One hard cut within a dissolve or wipe is all that there is: a mixture changes by a
+        // little in each frame. Of those that overlap, the one that is explained best.
+        let is_gradual = |found: &&Gradual| {
+            let Range { start, end } = found.frames;
+            hard.iter()
+                .filter(|cut| (start..=end).contains(*cut))
+                .count()
+                != 1
+        };
+        let mut gradual: Vec<&Gradual> = self.gradual.iter().filter(is_gradual).collect();
+        gradual.sort_by(|a, b| {
+            let order = a.doubt.total_cmp(&b.doubt);
+            order.then(a.frames.start.cmp(&b.frames.start))
+        });
+        let mut taken: Vec<Range<usize>> = Vec::new();
+        for found in gradual {
+            if taken.iter().all(|other| !overlap(other, &found.frames)) {
+                taken.push(found.frames.clone());
+            }
+        }
+        spans.extend(taken);
+        // Hard cuts close to each other are part of one transition.
+        let close = hard.windows(2).filter(|pair| pair[1] - pair[0] <= NO_SHOT);
+        spans.extend(close.map(|pair| pair[0]..pair[1]));
+        let spans = merge(spans);
+        let is_hard = |frame: &usize| {
+            let beside = frame.saturating_sub(1)..frame + 1;
+            spans.iter().all(|span| !overlap(span, &beside))
+        };
+        let mut cuts: Vec<FoundCut> = hard
+            .into_iter()
+            .filter(is_hard)
+            .map(|frame| FoundCut {
+                frame,
+                transition: frame..frame,
+            })
+            .collect();
+        cuts.extend(spans.iter().map(|span| FoundCut {
+            frame: span.end,
+            transition: span.clone(),
+        }));
         cuts.sort_unstable_by_key(|cut| cut.frame);
         cuts
     }
@@ -173,6 +312,9 @@ impl CutFinder {
         // Compare with the usual motion around the frame; the frame itself and its two neighbours
         // are part of the event.
         let lasting = self.measured[frame].lasting;
+        if lasting < LEAST_CUT {
+            return false;
+        }
         let (from, to) = (
             frame.saturating_sub(AROUND).max(1),
             (frame + AROUND).min(self.measured.len() - 1),
@@ -182,41 +324,63 @@ impl CutFinder {
         let mut steps: Vec<f32> = around.map(|at| self.measured[at].step).collect();
         steps.sort_by(f32::total_cmp);
         let motion = steps.get(steps.len() / 2).copied().unwrap_or_default();
-        lasting >= LEAST_CUT && lasting >= CUT_OVER_MOTION * motion
+        // In a close-up that moves fast, a cut changes more than any frame near by.
+        let most = steps.last().copied().unwrap_or_default();
+        let changed = self.measured[frame].changed;
+        (changed >= LEAST_CUT_AREA && lasting >= CUT_OVER_MOTION * motion)
+            || (changed >= WHOLE_AREA && lasting >= CUT_OVER_LARGEST * most)
     }
 
-    /// The middle of each short run of empty frames between frames that are not empty.
-    fn empty_runs(&self) -> Vec<usize> {
-        let mut runs = Vec::new();
+    /// The fades over empty frames, with the frames in which the contrast falls and rises again.
+    fn fades(&self) -> Vec<Range<usize>> {
+        let contrast = |at: usize| self.measured[at].contrast;
+        let mut fades = Vec::new();
         let mut begun = None;
-        for (frame, measured) in self.measured.iter().enumerate() {
-            match (begun, measured.contrast < EMPTY) {
+        for frame in 0..self.measured.len() {
+            match (begun, contrast(frame) < EMPTY) {
                 (None, true) => begun = Some(frame),
                 (Some(first), false) => {
                     begun = None;
                     // A video that begins empty has no shot before, and a long run is a shot of its
                     // own.
-                    if first > 0 && frame - first <= 2 * APART {
-                        runs.push(first.midpoint(frame));
+                    if first == 0 || frame - first > MOST_EMPTY {
+                        continue;
                     }
+                    let earliest = first.saturating_sub(HALF_FADE).max(1);
+                    let start = (earliest..first)
+                        .rev()
+                        .take_while(|&at| contrast(at - 1) > contrast(at) + FADE_STEP)
+                        .last()
+                        .unwrap_or(first);
+                    let latest = (frame + HALF_FADE).min(self.measured.len() - 1);
+                    let end = (frame..latest)
+                        .take_while(|&at| contrast(at + 1) > contrast(at) + FADE_STEP)
+                        .last()
+                        .map_or(frame, |at| at + 1);
+                    fades.push(start..end);
                 }
                 _ => {}
             }
         }
-        runs
-    }
-
-    /// The strength of a cross-fade whose middle is this frame, and the frame; `None` if it is
-    /// none.
-    fn blend_at(&self, frame: usize) -> Option<(f32, usize)> {
-        let (off, ends) = self.measured[frame].fade?;
-        (ends >= LEAST_FADE && off <= MOST_OFF_BLEND * ends).then_some((ends - off, frame))
+        fades
     }
 }
 
-/// Whether a frame is far enough from all cuts to be a cut of its own.
-fn is_apart(cuts: &[FoundCut], frame: usize) -> bool {
-    cuts.iter().all(|cut| cut.frame.abs_diff(frame) > APART)
+fn overlap(one: &Range<usize>, other: &Range<usize>) -> bool {
+    one.start < other.end && other.start < one.end
+}
+
+/// Spans in order; those between which no shot fits are one.
+fn merge(mut spans: Vec<Range<usize>>) -> Vec<Range<usize>> {
+    spans.sort_unstable_by_key(|span| (span.start, span.end));
+    let mut merged: Vec<Range<usize>> = Vec::new();
+    for span in spans {
+        match merged.last_mut() {
+            Some(last) if span.start <= last.end + NO_SHOT => last.end = last.end.max(span.end),
+            _ => merged.push(span),
+        }
+    }
+    merged
 }
 
 #[cfg(test)]
@@ -246,41 +410,77 @@ mod tests {
         Miniature::from_picture(&Picture::new(SIZE, rgba.collect()).unwrap())
     }
 
-    fn found(frames: impl IntoIterator<Item = Miniature>) -> Vec<(usize, bool)> {
+    fn found(frames: impl IntoIterator<Item = Miniature>) -> Vec<Range<usize>> {
         let mut finder = CutFinder::default();
         frames.into_iter().for_each(|frame| finder.push(frame));
-        finder
-            .cuts()
-            .into_iter()
-            .map(|cut| (cut.frame, cut.is_fade))
-            .collect()
+        let cuts = finder.finish();
+        assert!(cuts.iter().all(|cut| cut.frame == cut.transition.end));
+        cuts.into_iter().map(|cut| cut.transition).collect()
+    }
+
+    /// The only transition found, whose ends may be this far from the drawn ones.
+    fn assert_only(found: &[Range<usize>], drawn: Range<usize>, off: usize) {
+        let [only] = found else {
+            panic!("{found:?} for {drawn:?}")
+        };
+        let is_near =
+            only.start.abs_diff(drawn.start) <= off && only.end.abs_diff(drawn.end) <= off;
+        assert!(is_near, "{only:?} for {drawn:?}");
     }
 
     #[test]
     fn cuts_are_found_in_a_camera_that_turns_and_flashes_are_none() {
-        let frames = (0..48).map(|at| {
-            let (seed, turned) = if at < 17 {
-                (0.4, 3.0 * f64::from(at))
-            } else {
-                (2.6, -2.0 * f64::from(at))
-            };
-            let flash = if at == 30 { 90.0 } else { 0.0 };
-            frame(|x, y| colour(seed, x + turned, y).map(|value| value + flash))
-        });
-        assert_eq!(found(frames), [(17, false)]);
+        for flash_frames in 1..=LONGEST_FLASH {
+            let frames = (0..48).map(|at| {
+                let (seed, turned) = if at < 17 {
+                    (0.4, 3.0 * at as f64)
+                } else {
+                    (2.6, -2.0 * at as f64)
+                };
+                let is_flash = (30..30 + flash_frames).contains(&at);
+                let flash = if is_flash { 90.0 } else { 0.0 };
+                frame(|x, y| colour(seed, x + turned, y).map(|value| value + flash))
+            });
+            assert_eq!(found(frames), [17..17], "a flash of {flash_frames} frames");
+        }
     }
 
     #[test]
-    fn fades_are_found_and_said_to_be_unsure() {
-        let blend = (0..60).map(|at| {
-            let share = ((f64::from(at) - 25.0) / 10.0).clamp(0.0, 1.0);
-            frame(|x, y| {
-                let (before, after) = (colour(0.4, x, y), colour(2.6, x, y));
-                [0, 1, 2].map(|colour| (1.0 - share) * before[colour] + share * after[colour])
+    fn dissolves_and_wipes_are_found_with_their_frames() {
+        for length in [6, 12, 24] {
+            let share = |at: usize| ((at as f64 - 29.0) / (length as f64 + 1.0)).clamp(0.0, 1.0);
+            let dissolve = (0..90).map(|at| {
+                let (share, turned) = (share(at), 0.2 * at as f64);
+                frame(|x, y| {
+                    let (before, after) = (colour(0.4, x + turned, y), colour(2.6, x, y));
+                    [0, 1, 2].map(|colour| (1.0 - share) * before[colour] + share * after[colour])
+                })
+            });
+            assert_only(&found(dissolve), 30..30 + length, 2);
+            let wipe = (0..90).map(|at| {
+                let edge = share(at) * f64::from(SIZE.width);
+                frame(|x, y| colour(if x < edge { 2.6 } else { 0.4 }, x, y))
+            });
+            assert_only(&found(wipe), 30..30 + length, 3);
+        }
+    }
+
+    #[test]
+    fn a_graphic_that_sweeps_over_the_picture_is_one_transition() {
+        let swept = (0..90).map(|at| {
+            let head = ((at as f64 - 29.0) / 16.0).clamp(0.0, 1.0) * 1.6 * f64::from(SIZE.width);
+            let tail = head - 0.6 * f64::from(SIZE.width);
+            frame(|x, y| match x {
+                x if x < tail => colour(2.6, x, y),
+                x if x < head => [250.0, 20.0, 20.0],
+                _ => colour(0.4, x, y),
             })
         });
-        let blends = found(blend);
-        assert!(matches!(blends[..], [(28..=32, true)]), "{blends:?}");
+        assert_only(&found(swept), 30..45, 3);
+    }
+
+    #[test]
+    fn fades_over_black_include_the_frames_that_darken() {
         let black = (0..60).map(|at| {
             let (seed, light) = if at < 30 {
                 (0.4, (28.0 - f64::from(at)) / 8.0)
@@ -289,8 +489,57 @@ mod tests {
             };
             frame(|x, y| colour(seed, x, y).map(|value| value * light.clamp(0.0, 1.0)))
         });
-        let blacks = found(black);
-        assert!(matches!(blacks[..], [(28..=32, true)]), "{blacks:?}");
+        assert_only(&found(black), 21..40, 1);
+    }
+
+    #[test]
+    fn a_pan_over_new_ground_and_a_zoom_are_no_transition() {
+        let pan = (0..120).map(|at| frame(|x, y| colour(0.4, x + 5.0 * f64::from(at), y)));
+        assert_eq!(found(pan), []);
+        let zoom = (0..60).map(|at| {
+            let zoom = 1.0 + 0.02 * f64::from(at);
+            frame(|x, y| colour(0.4, 64.0 + (x - 64.0) / zoom, 36.0 + (y - 36.0) / zoom))
+        });
+        assert_eq!(found(zoom), []);
+    }
+
+    #[test]
+    fn a_cut_is_no_part_of_what_moves_beside_it() {
+        // An object crosses the picture right after the cut, as in a close-up.
+        let frames = (0..80).map(|at| {
+            let seed = if at < 40 { 0.4 } else { 2.6 };
+            let edge = 6.0 * (f64::from(at) - 44.0);
+            frame(|x, y| {
+                let is_object = at > 43 && x > edge && x < edge + 40.0;
+                if is_object {
+                    [40.0, 40.0, 200.0]
+                } else {
+                    colour(seed, x, y)
+                }
+            })
+        });
+        assert!(found(frames).contains(&(40..40)));
+    }
+
+    #[test]
+    fn pictures_that_are_missing_at_the_start_keep_the_numbers() {
+        let picture = |seed: f64| {
+            let pixels = (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y)));
+            let rgba = pixels.flat_map(|(x, y)| {
+                let [red, green, blue] =
+                    colour(seed, f64::from(x), f64::from(y)).map(|value| value as u8);
+                [red, green, blue, 255]
+            });
+            Picture::new(SIZE, rgba.collect()).unwrap()
+        };
+        let pictures = (0..40).map(|at| match at {
+            0..5 => None,
+            5..20 => Some(picture(0.4)),
+            _ => Some(picture(2.6)),
+        });
+        let cuts = find_cuts(pictures);
+        assert_eq!(cuts.len(), 1);
+        assert_eq!((cuts[0].frame, cuts[0].is_gradual()), (20, false));
     }
 
     #[test]

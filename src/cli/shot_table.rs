@@ -1,0 +1,238 @@
+//! The table with which `calibrate` ends: the frames of each camera by what their shots show.
+
+use std::collections::BTreeMap;
+use touchline_core::geometry::thousands;
+use touchline_documents::document::{
+    Document, Frame, FrameStatus, Shot, ShotContent, ShotKind, shots_of_frames,
+};
+use touchline_vision::relocalize::CERTAIN;
+
+/// Maximum number of shots without a camera that are listed one by one.
+const MAX_LISTED: usize = 12;
+
+/// The name of the row of shots in which no frame has a camera.
+const NO_CAMERA: &str = "no camera";
+
+/// What the frames of a row show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum RowKind {
+    Field,
+    NoField,
+    Transition,
+}
+
+/// The counts of a row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Row {
+    shots: usize,
+    frames: usize,
+    certain: usize,
+    uncertain: usize,
+    none: usize,
+}
+
+/// The frames of a shot, by how they are answered.
+#[derive(Clone, Debug)]
+struct ShotRow {
+    kind: RowKind,
+    camera: String,
+    first: String,
+    last: String,
+    counts: Row,
+}
+
+impl ShotRow {
+    /// Whether it shows a field, and no frame has a camera.
+    fn is_without_camera(&self) -> bool {
+        self.kind == RowKind::Field && self.counts.none == self.counts.frames
+    }
+}
+
+/// The lines of the table, and of the shots of a field that got no camera; none for a document
+/// without shots or with a single one.
+pub fn describe_shots(document: &Document) -> Vec<String> {
+    let shots = rows_of_shots(document);
+    if shots.len() < 2 {
+        return Vec::new();
+    }
+    let mut rows: BTreeMap<(RowKind, &str), Row> = BTreeMap::new();
+    for shot in &shots {
+        // Which camera would have filmed a crowd or a dissolve is not known.
+        let camera = match shot.kind {
+            RowKind::Field if shot.is_without_camera() => NO_CAMERA,
+            RowKind::Field => shot.camera.as_str(),
+            RowKind::NoField | RowKind::Transition => "",
+        };
+        let row = rows.entry((shot.kind, camera)).or_default();
+        row.shots += 1;
+        row.frames += shot.counts.frames;
+        row.certain += shot.counts.certain;
+        row.uncertain += shot.counts.uncertain;
+        row.none += shot.counts.none;
+    }
+    let mut lines = vec![line([
+        "camera",
+        "shots",
+        "frames",
+        "certain",
+        "uncertain",
+        "none",
+        "",
+    ])];
+    for ((kind, camera), row) in rows {
+        let (camera, reason) = match kind {
+            RowKind::Field => (camera, ""),
+            RowKind::NoField => ("no field", "no lines of a field in view"),
+            RowKind::Transition => ("between shots", "dissolves, wipes and fades"),
+        };
+        let [shots, frames, certain, uncertain, none] =
+            [row.shots, row.frames, row.certain, row.uncertain, row.none].map(thousands);
+        lines.push(line([
+            camera, &shots, &frames, &certain, &uncertain, &none, reason,
+        ]));
+    }
+    let without = shots.iter();
+    let without: Vec<&ShotRow> = without.filter(|shot| shot.is_without_camera()).collect();
+    for shot in without.iter().take(MAX_LISTED) {
+        lines.push(format!(
+            "no camera from {} to {} ({} frames): neither the search nor the frames of the other \
+             shots know it; 4 clicks in one of them do",
+            shot.first, shot.last, shot.counts.frames
+        ));
+    }
+    if without.len() > MAX_LISTED {
+        lines.push(format!(
+            "and {} more shots without a camera",
+            without.len() - MAX_LISTED
+        ));
+    }
+    lines
+}
+
+/// Whether every frame without a camera lies in a shot without a field or between two shots, or was
+/// rejected.
+pub fn is_every_field_answered(document: &Document) -> bool {
+    let shots = shots_of_frames(document);
+    document.frames.iter().zip(shots).all(|(frame, shot)| {
+        let kind = shot.map_or(RowKind::Field, |shot| kind_of(&document.shots[shot]));
+        frame.ptz.is_some() || kind != RowKind::Field || frame.status == FrameStatus::Rejected
+    })
+}
+
+fn rows_of_shots(document: &Document) -> Vec<ShotRow> {
+    let mut rows: BTreeMap<usize, ShotRow> = BTreeMap::new();
+    for (frame, shot) in document.frames.iter().zip(shots_of_frames(document)) {
+        let Some(shot) = shot else { continue };
+        let row = rows.entry(shot).or_insert_with(|| ShotRow {
+            kind: kind_of(&document.shots[shot]),
+            camera: frame.camera.as_str().to_owned(),
+            first: frame.name(),
+            last: String::new(),
+            counts: Row::default(),
+        });
+        row.last = frame.name();
+        row.counts.frames += 1;
+        match confidence(frame) {
+            None => row.counts.none += 1,
+            Some(confidence) if confidence >= CERTAIN => row.counts.certain += 1,
+            Some(_) => row.counts.uncertain += 1,
+        }
+    }
+    rows.into_values().collect()
+}
+
+fn kind_of(shot: &Shot) -> RowKind {
+    match (shot.kind, shot.content) {
+        (ShotKind::Transition, _) => RowKind::Transition,
+        (_, Some(ShotContent::NoField)) => RowKind::NoField,
+        _ => RowKind::Field,
+    }
+}
+
+/// How certain a frame's camera is, 0 to 1; none without a camera.
+fn confidence(frame: &Frame) -> Option<f64> {
+    frame.ptz.as_ref()?;
+    if frame.status == FrameStatus::Reference {
+        return Some(1.0);
+    }
+    let solution = frame.solution.as_ref();
+    Some(
+        solution
+            .and_then(|solution| solution.confidence)
+            .unwrap_or(0.0),
+    )
+}
+
+/// A line of the table: a name, five numbers, a remark.
+fn line([name, shots, frames, certain, uncertain, none, remark]: [&str; 7]) -> String {
+    let line = format!(
+        "{name:<14} {shots:>6} {frames:>8} {certain:>8} {uncertain:>10} {none:>8}  {remark}"
+    );
+    line.trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Solution, VideoFrame, VideoShots};
+    use touchline_documents::testing::{ptz_at, soccer_document};
+
+    fn document() -> Document {
+        let mut document = soccer_document();
+        for index in 0..20 {
+            let video = VideoFrame::new("a.mp4", index, None);
+            let frame = Frame::from_video(video, "main".into(), ImageSize::new(64, 36));
+            document.frames.push(frame.into());
+        }
+        let cuts = [
+            (6, ShotKind::Transition),
+            (9, ShotKind::Fade),
+            (14, ShotKind::Cut),
+        ];
+        VideoShots::from_cuts(&document, "a.mp4", 19, &cuts).write(&mut document);
+        document.shots[2].content = Some(ShotContent::NoField);
+        for index in 0..6 {
+            let frame = &mut document.frames[index];
+            frame.ptz = ptz_at(0.0, -9.0, 90.0);
+            frame.solution = Some(Solution {
+                confidence: (index != 3).then_some(if index == 5 { 0.5 } else { 0.99 }),
+                ..Solution::default()
+            });
+        }
+        document
+    }
+
+    #[test]
+    fn frames_are_counted_by_camera_and_kind_of_shot() {
+        let mut document = document();
+        let lines = describe_shots(&document);
+        let words: Vec<Vec<&str>> = lines
+            .iter()
+            .map(|it| it.split_whitespace().collect())
+            .collect();
+        assert_eq!(words[1], ["main", "1", "6", "4", "2", "0"]);
+        assert_eq!(words[2], ["no", "camera", "1", "6", "0", "0", "6"]);
+        assert_eq!(words[3][..7], ["no", "field", "1", "5", "0", "0", "5"]);
+        assert_eq!(words[4][..7], ["between", "shots", "1", "3", "0", "0", "3"]);
+        assert!(
+            lines[5].starts_with("no camera from a.mp4") && lines.len() == 6,
+            "{lines:?}"
+        );
+        assert!(!is_every_field_answered(&document));
+        for index in 14..20 {
+            document.frames[index].ptz = ptz_at(0.0, -9.0, 90.0);
+        }
+        assert!(is_every_field_answered(&document));
+    }
+
+    #[test]
+    fn a_document_of_one_shot_has_no_table() {
+        let mut document = document();
+        document.shots.truncate(1);
+        assert_eq!(describe_shots(&document), [""; 0]);
+        document.shots.clear();
+        assert_eq!(describe_shots(&document), [""; 0]);
+        assert!(!is_every_field_answered(&document));
+    }
+}

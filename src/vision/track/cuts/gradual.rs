@@ -1,0 +1,220 @@
+//! Gradual transitions: dissolves, wipes and wipes with a graphic, with the frames that they take.
+//!
+//! # Problem
+//!
+//! In a dissolve neighbouring frames differ no more than in a pan. What tells them apart is that
+//! each frame is a mixture (1 − α) A + α B of one picture before and one after, and that α rises
+//! from 0 to 1 once. In a wipe each cell shows one of the two pictures.
+//!
+//! # Method
+//!
+//! Around each frame at which the pictures before and after differ under every shift, windows of
+//! several lengths are tried: A and B are the frames at their ends. α follows by least squares; it
+//! is hardly disturbed by what moves in A and B. A ramp fitted to α gives the first and the last
+//! frame of the transition. It counts if the frames within are explained as mixtures or as parts of
+//! the two pictures next to it, if these differ under shift and zoom, and if the pictures on either
+//! side agree with each other: in a pan or a zoom that goes on, they do not.
+
+use super::miniature::Miniature;
+use std::ops::Range;
+
+/// Half lengths of the windows, frames. A dissolve takes a fifth of a second to two seconds.
+const HALF_WINDOWS: [usize; 5] = [4, 6, 10, 16, 28];
+/// Number of frames on either side of a window in which a ramp may begin or end.
+const BESIDE: usize = 6;
+/// Number of frames on each side of a frame that [`find_gradual`] uses.
+pub const REACH: usize = HALF_WINDOWS[HALF_WINDOWS.len() - 1] + BESIDE;
+/// Minimum difference between the pictures before and after a transition, grey levels.
+pub const LEAST_CHANGE: f32 = 12.0;
+/// Minimum share of the cells that differ by [`CHANGED`] grey levels. A player who crosses a
+/// close-up changes fewer.
+const LEAST_CHANGED_SHARE: f32 = 0.45;
+pub const CHANGED: f32 = 8.0;
+/// Maximum mean difference of the frames from mixtures, and from parts of both pictures, relative
+/// to the difference of the two pictures.
+const MOST_OFF_MIXTURE: f32 = 0.36;
+const MOST_OFF_EITHER: f32 = 0.2;
+/// Maximum difference between the frames of one side, relative to the difference of the two
+/// pictures.
+const MOST_INCOHERENT: f32 = 0.55;
+/// Maximum share of the change that one frame may bring; a hard cut brings all of it.
+const MOST_OF_CHANGE: f32 = 0.5;
+/// Distance of the pictures to which the second ramp is fitted from the first ramp, frames.
+const ASIDE: usize = 4;
+/// Minimum length of a ramp, frames; a shorter one is a hard cut.
+const LEAST_RAMP: usize = 3;
+
+/// A transition that takes time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradual {
+    /// Its frames; the first frame of the new shot follows.
+    pub frames: Range<usize>,
+    /// What the transition leaves unexplained of its frames and of α; of two that overlap, the
+    /// one with less is right.
+    pub doubt: f32,
+}
+
+/// The frames that are still kept, by their number in the video.
+pub trait Frames {
+    /// A frame; none before the first and after the last that is kept.
+    fn frame(&self, number: usize) -> Option<&Miniature>;
+    /// The difference of a frame from the one before it under the best shift, grey levels.
+    fn step(&self, number: usize) -> f32;
+}
+
+/// The gradual transition whose middle is near a frame; none if there is none.
+pub fn find_gradual(frames: &impl Frames, middle: usize) -> Option<Gradual> {
+    let windows = HALF_WINDOWS.iter().filter_map(|half| {
+        let window = middle.checked_sub(*half)?..middle + half;
+        let ends = Ends::new(frames, window.clone())?;
+        let abrupt = ends.change * MOST_OF_CHANGE;
+        if ends.change < LEAST_CHANGE || window.clone().any(|at| frames.step(at + 1) > abrupt) {
+            return None;
+        }
+        let at = [middle - half / 2, middle, middle + half / 2];
+        let off = ends.mean_unexplained(at)?;
+        (off <= 1.0).then_some((off / ends.change.sqrt(), ends))
+    });
+    let (_, ends) = windows.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    // Once more with the pictures next to the ramp, in which less has moved.
+    let (ramp, _) = ends.fit_ramp()?;
+    let nearer = ramp.start.saturating_sub(ASIDE)..ramp.end + ASIDE - 1;
+    let ends = Ends::new(frames, nearer)?;
+    let (ramp, misfit) = ends.fit_ramp()?;
+    check(frames, ramp, misfit)
+}
+
+/// The two pictures of a transition.
+struct Ends<'a, F> {
+    frames: &'a F,
+    /// The number of the picture before, and of that after.
+    window: Range<usize>,
+    before: &'a Miniature,
+    after: &'a Miniature,
+    /// The difference of the two, grey levels.
+    change: f32,
+}
+
+impl<'a, F: Frames> Ends<'a, F> {
+    /// The frames at the ends of a window.
+    fn new(frames: &'a F, window: Range<usize>) -> Option<Self> {
+        let (before, after) = (frames.frame(window.start)?, frames.frame(window.end)?);
+        Some(Self {
+            frames,
+            change: before.plain_difference(after),
+            window,
+            before,
+            after,
+        })
+    }
+
+    /// The mean of [`unexplained`] over some frames.
+    fn mean_unexplained(&self, at: impl IntoIterator<Item = usize>) -> Option<f32> {
+        let (mut sum, mut count) = (0.0, 0);
+        for at in at {
+            sum += unexplained(self.frames.frame(at)?, self.before, self.after);
+            count += 1;
+        }
+        (count > 0).then(|| sum / count as f32)
+    }
+
+    /// The frames in which α rises from 0 to 1, by a straight ramp in least squares, and the root
+    /// mean square of what is left of α.
+    fn fit_ramp(&self) -> Option<(Range<usize>, f32)> {
+        // The ramp may begin and end beside the window, but not beyond a hard cut.
+        let is_abrupt = |at: usize| self.frames.step(at) > MOST_OF_CHANGE * self.change;
+        let window = &self.window;
+        let first = (window.start.saturating_sub(BESIDE)..window.start)
+            .rev()
+            .take_while(|at| !is_abrupt(at + 1))
+            .last()
+            .unwrap_or(window.start);
+        let last = (window.end + 1..=window.end + BESIDE)
+            .take_while(|at| !is_abrupt(*at))
+            .last()
+            .unwrap_or(window.end);
+        // In a wipe the cells are counted, so that those in which both pictures are alike, and those
+        // in which they differ most, do not distort where it begins.
+        let is_wipe = is_wiped(
+            self.frames.frame(window.start.midpoint(window.end))?,
+            self.before,
+            self.after,
+        );
+        let shares: Vec<f32> = (first..=last)
+            .map_while(|at| {
+                let frame = self.frames.frame(at)?;
+                Some(if is_wipe {
+                    frame.share_of_cells(self.before, self.after, CHANGED)
+                } else {
+                    frame.share_of(self.before, self.after)
+                })
+            })
+            .collect();
+        // From `begin`, the last frame of α = 0, to `end`, the first one of α = 1.
+        let ramps = (0..shares.len()).flat_map(|begin| {
+            let ends = begin + 1..shares.len();
+            ends.map(move |end| (begin, end))
+        });
+        let misfit = |&(begin, end): &(usize, usize)| -> f32 {
+            let slope = 1.0 / (end - begin) as f32;
+            let misfits = shares.iter().enumerate().map(|(at, share)| {
+                let ramp = (at as f32 - begin as f32) * slope;
+                (share - ramp.clamp(0.0, 1.0)).powi(2)
+            });
+            misfits.sum()
+        };
+        let (misfit, (begin, end)) = ramps
+            .map(|ramp| (misfit(&ramp), ramp))
+            .min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+        let misfit = (misfit / shares.len() as f32).sqrt();
+        Some((first + begin + 1..first + end, misfit))
+    }
+}
+
+/// How far a frame is from a mixture of two pictures or from parts of both, relative to what is
+/// allowed; at most 1 in a transition.
+fn unexplained(frame: &Miniature, before: &Miniature, after: &Miniature) -> f32 {
+    let change = before.plain_difference(after).max(f32::EPSILON);
+    let share = frame.share_of(before, after).clamp(0.0, 1.0);
+    let off_mixture = frame.difference_from_mixture(before, after, share) / change;
+    let off_either = frame.difference_from_either(before, after) / change;
+    (off_mixture / MOST_OFF_MIXTURE).min(off_either / MOST_OFF_EITHER)
+}
+
+/// Whether a frame rather consists of parts of two pictures than of their mixture.
+fn is_wiped(frame: &Miniature, before: &Miniature, after: &Miniature) -> bool {
+    let share = frame.share_of(before, after).clamp(0.0, 1.0);
+    frame.difference_from_either(before, after)
+        < 0.5 * frame.difference_from_mixture(before, after, share)
+}
+
+/// The transition with these frames, if pictures before, within and after it agree with that.
+fn check(frames: &impl Frames, ramp: Range<usize>, misfit: f32) -> Option<Gradual> {
+    if ramp.len() + 1 < LEAST_RAMP {
+        return None;
+    }
+    let last_before = ramp.start.checked_sub(1)?;
+    let (before, after) = (frames.frame(last_before)?, frames.frame(ramp.end)?);
+    let change = before.plain_difference(after);
+    if change < LEAST_CHANGE || before.share_of_changed_cells(after, CHANGED) < LEAST_CHANGED_SHARE
+    {
+        return None;
+    }
+    let ends = Ends::new(frames, last_before..ramp.end)?;
+    let off = ends.mean_unexplained(ramp.clone())?;
+    if off > 1.0 {
+        return None;
+    }
+    // The most expensive test last.
+    let moved = before.difference_over_zoom(after);
+    let is_steady = |from: Option<&Miniature>, to: &Miniature| {
+        from.is_none_or(|from| from.difference(to) <= MOST_INCOHERENT * moved)
+    };
+    let earlier = last_before.checked_sub(BESIDE);
+    let is_coherent = is_steady(earlier.and_then(|at| frames.frame(at)), before)
+        && is_steady(frames.frame(ramp.end + BESIDE), after);
+    (moved >= LEAST_CHANGE && is_coherent).then(|| Gradual {
+        frames: ramp,
+        doubt: off + 4.0 * misfit,
+    })
+}
