@@ -57,9 +57,7 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     window.harness.run_steps(2);
     window.key(Key::N);
     assert_eq!(window.app().session.frame, 2);
-    window.press_label(
-        "1 frame has no answer, 1 proposal is uncertain: label frame 3, near pan\u{a0}−15°.",
-    );
+    window.press_label("1 frame has no answer, 1 uncertain: label frame 3, near pan\u{a0}−15°.");
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 3);
     window.press_label("Close the review panel");

@@ -68,6 +68,8 @@ pub enum Effect {
     LoadCamera(PathBuf),
     /// Ask the user for a path.
     Ask(Question),
+    /// Show a folder in the system's file manager.
+    ShowFolder(PathBuf),
     /// Write the settings.
     SaveSettings,
     /// Close the window; everything is on disk.

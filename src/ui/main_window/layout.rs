@@ -10,7 +10,7 @@ use crate::ui::controls::theme::Themed as _;
 use crate::ui::picture::{rejecting, typing, viewport};
 use crate::ui::rows::{filmstrip, menu, notices, status, timeline, tools, tour};
 use crate::ui::{
-    Panel, camera_panel, dialogs, inspector, quality, reclick, review, start, trainer,
+    Panel, camera_panel, cards, dialogs, inspector, quality, reclick, review, start, trainer,
 };
 use egui::{Frame, Margin, Ui, Vec2};
 use touchline_application::app::session::SidePanel;
@@ -137,6 +137,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     reclick::show(panel, ui);
                     return;
                 }
+                cards::show(panel, ui);
                 match panel.app.session.panel {
                     SidePanel::Frame => inspector::show(panel, ui),
                     SidePanel::Camera => camera_panel::show(panel, ui),

@@ -21,7 +21,7 @@ mod document;
 mod task;
 
 use self::document::actions_of;
-use self::task::{Kind, Outcome, Task, camera_with_base, save_copy};
+use self::task::{Kind, Outcome, Task, camera_with_base, save_copy, show_folder};
 use super::opening::Ready;
 use super::{Background, BackgroundReport, Saver, SharedPictures, Trainer, Wake};
 use crate::app::operation::{Job, Report};
@@ -142,6 +142,10 @@ impl Runner {
                 camera_with_base(&path).map(|camera| {
                     Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera))))
                 })
+            }),
+            Effect::ShowFolder(folder) => self.begin("file manager", Kind::Other, move |_| {
+                show_folder(&folder)?;
+                Ok(Outcome::Nothing)
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
             Effect::SaveSettings => return Some(Request::SaveSettings),

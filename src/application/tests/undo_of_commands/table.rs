@@ -343,6 +343,8 @@ pub fn plan(command: Command) -> Plan {
         | C::SaveAs
         | C::Export
         | C::ExportDataset
+        | C::StopExport
+        | C::ShowExported
         | C::Orphans
         | C::Quit
         // They change what other commands have changed.

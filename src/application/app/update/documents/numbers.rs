@@ -317,8 +317,10 @@ mod tests {
                 Effect::Start(job) => job.operation::<TransferWrite>().is_some().then_some(job),
                 _ => None,
             });
-            let written =
-                Report::from_result::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
+            let written = {
+                let (says, to) = ("written".to_owned(), "/elsewhere/match.json".into());
+                Report::from_result::<TransferWrite>(job.unwrap().id(), Ok(Written { says, to }))
+            };
             app.update(Action::Report(written));
             let offers = |app: &App| {
                 app.session
