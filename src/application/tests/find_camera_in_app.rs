@@ -183,7 +183,7 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
         "{}",
         bench.last_notice()
     );
-    bench.assert_notice("known to ±0.5 m. 0 of 4 frames agree");
+    bench.assert_notice("known to ±0.5 m. 0 of 4 frames match");
 
     let open = bench.app.open().unwrap();
     assert_eq!(

@@ -280,7 +280,7 @@ fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
 mod tests {
     use super::*;
     use crate::app::operation::Report;
-    use crate::app::operations::transfer::TransferWrite;
+    use crate::app::operations::transfer::{TransferWrite, Written};
     use crate::app::{Action, DiskReport, EditAction, Effect, Opened, Question};
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
@@ -327,7 +327,7 @@ mod tests {
                     .messages
                     .notices
                     .iter()
-                    .filter(|notice| !notice.offers.is_empty())
+                    .filter(|notice| notice.offers(Command::ConfirmFieldSize))
                     .count()
             };
             assert_eq!(offers(&app), 1, "{:?}", app.session.messages.notices);
