@@ -195,7 +195,7 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
     window
         .harness
-        .get_by_label("2 suggestions, probably at most 1 of them wrong. The most doubtful come first, from 97 % on.");
+        .get_by_label("2 suggestions, probably at most 1 of them wrong. The least certain come first, from 97 % on.");
     window.harness.get_by_label("Look at frame 2, 97 %");
     let tick = window
         .harness

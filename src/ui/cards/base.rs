@@ -83,7 +83,7 @@ fn find_tile(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
         } else {
             button
         };
-        panel.command_button(ui, button, Command::FindCamera);
+        ui.vertical_centered_justified(|ui| panel.command_button(ui, button, Command::FindCamera));
         let text = match missing.why_no_search {
             Some(why) => why,
             None if is_video => "From the pictures, without a click. About four minutes.",
@@ -165,7 +165,7 @@ fn estimate_button(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
     if is_enough {
         button = button.fill(ui.palette().accent_ground);
     }
-    panel.command_button(ui, button, Command::EstimateBase);
+    ui.vertical_centered_justified(|ui| panel.command_button(ui, button, Command::EstimateBase));
 }
 
 /// Shows two answers that the frames alone cannot distinguish. The user tries both; a click in the

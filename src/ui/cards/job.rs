@@ -3,13 +3,15 @@
 
 use crate::ui::Panel;
 use crate::ui::controls::theme::Themed as _;
-use egui::{Align, Id, Label, Layout, ProgressBar, RichText, Ui};
+use egui::{Align, Id, Label, Layout, ProgressBar, RichText, Ui, vec2};
 use std::time::Duration;
 use touchline_application::app::describe_left;
 use touchline_application::app::operations::UnderWay;
 
 /// Minimum time from which a pace is estimated, s.
 const PACED_S: f64 = 4.0;
+/// Height of the row with the name and *Stop*, points.
+const ROW: f32 = 22.0;
 /// Height of the bar, points.
 const BAR: f32 = 6.0;
 
@@ -30,7 +32,8 @@ pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
         stop,
     } = under_way;
     // The button first, from the right: a longer name is cut, and the button stays in its place.
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+    let row = vec2(ui.available_width(), ROW);
+    ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
         panel.run_on_click(ui.button("Stop"), *stop);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let job = RichText::new(job).strong().color(ui.palette().strong);

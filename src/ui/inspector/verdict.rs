@@ -178,7 +178,7 @@ const LINE_NUMBER: f32 = 34.0;
 const BARS_END_PX: f64 = 8.0;
 /// Windows at least this high always show the bars; in lower ones they stand where a line lies
 /// beside its paint, points.
-const ROOMY: f32 = 700.0;
+const ROOMY: f32 = 860.0;
 
 /// Shows how far the paint lies from each drawn line: bars with a sign, farthest line first.
 fn line_bars(app: &App, ui: &mut Ui) {

@@ -33,7 +33,7 @@ impl ReviewOrder {
             Self::Confidence => "Confidence",
             Self::Disagreement => "Disagreement",
             Self::Paint => "Paint",
-            Self::Moved => "Moved by mending",
+            Self::Moved => "Moved",
             Self::Time => "Time",
         }
     }
