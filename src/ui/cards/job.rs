@@ -5,8 +5,8 @@ use crate::ui::Panel;
 use crate::ui::controls::theme::Themed as _;
 use egui::{Align, Id, Label, Layout, ProgressBar, RichText, Ui, vec2};
 use std::time::Duration;
-use touchline_application::app::describe_left;
 use touchline_application::app::operations::UnderWay;
+use touchline_application::app::{Command, describe_left};
 
 /// Minimum time from which a pace is estimated, s.
 const PACED_S: f64 = 4.0;
@@ -34,7 +34,12 @@ pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     // The button first, from the right: a longer name is cut, and the button stays in its place.
     let row = vec2(ui.available_width(), ROW);
     ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
-        panel.run_on_click(ui.button("Stop"), *stop);
+        let says = if *stop == Command::PauseTrainer {
+            "Pause"
+        } else {
+            "Stop"
+        };
+        panel.run_on_click(ui.button(says), *stop);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let job = RichText::new(job).strong().color(ui.palette().strong);
             ui.add(Label::new(job).truncate());

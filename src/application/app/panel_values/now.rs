@@ -3,6 +3,7 @@
 
 use crate::app::operations::UnderWay;
 use crate::app::operations::camera_search::SearchFollowUp;
+use crate::app::session::SidePanel;
 use crate::app::trainer::TrainerActivity;
 use crate::app::{App, Command};
 use std::time::Duration;
@@ -41,6 +42,10 @@ impl App {
     }
 
     fn training_under_way(&self) -> Option<UnderWay> {
+        if self.session.panel == SidePanel::Trainer {
+            // The panel shows the same.
+            return None;
+        }
         let status = &self.session.trainer.status;
         status.left.filter(|left| *left >= TRAINING_SHOWN)?;
         Some(UnderWay {
