@@ -52,6 +52,8 @@ pub struct Settings {
     pub asked_burnt_in: Vec<PathBuf>,
     /// Whether the field map is shown.
     pub field_map: bool,
+    /// Whether pan, tilt and focal length over time are shown below the picture.
+    pub curves: bool,
     /// Whether the details in the inspector are unfolded.
     pub details: bool,
     /// Whether points that the user places or drops move to the painted corner, crossing or spot
@@ -231,6 +233,7 @@ impl Default for Settings {
             sports: Vec::new(),
             asked_burnt_in: Vec::new(),
             field_map: true,
+            curves: false,
             details: false,
             snap_points: true,
             base_on_paint: false,

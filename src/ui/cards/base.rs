@@ -44,11 +44,11 @@ fn show_ways(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
     let width = (row.width() - gap) / 2.0;
     let left = row.with_max_x(row.left() + width);
     ui.scope_builder(UiBuilder::new().max_rect(left), |ui| {
-        find_tile(panel, ui, missing)
+        find_tile(panel, ui, missing);
     });
     let right = row.with_min_x(row.right() - width);
     ui.scope_builder(UiBuilder::new().max_rect(right), |ui| {
-        click_tile(panel, ui, missing)
+        click_tile(panel, ui, missing);
     });
     if missing.ready.wide > 0 {
         estimate_button(panel, ui, missing);

@@ -158,6 +158,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             [edges[0].read(ui, areas[0]), edges[1].read(ui, areas[1])],
             remembered,
         );
+        // In a low window the picture keeps its room.
+        let has_room = ui.available_height() >= LEAST_PICTURE[1] + quality::CURVES;
+        if panel.app.settings.curves && has_room && panel.app.round().is_none() {
+            egui::Panel::bottom("curves")
+                .exact_size(quality::CURVES)
+                .resizable(false)
+                .frame(row)
+                .show(ui, |ui| quality::curves(panel, ui));
+        }
         if timeline::is_wanted(panel.app) {
             egui::Panel::bottom("timeline")
                 .exact_size(timeline::HEIGHT)

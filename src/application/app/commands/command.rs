@@ -101,6 +101,7 @@ pub enum Command {
     HideOverlay,
     OverlayStyle,
     ShowFieldMap,
+    ShowCurves,
     Compare,
     Uncertainty,
     CameraPanel,
@@ -330,6 +331,7 @@ rows! {
     ZoomToClick, "zoom_to_click", View, Picture, "Zoom to the point", "Show the selected point at 800 %.", ["Z"];
     HideOverlay, "hide_overlay", View, Picture, "Hide overlay (hold)", "Hide the overlay while the key is held.", ["H"];
     OverlayStyle, "overlay_style", View, Picture, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
+    ShowCurves, "show_curves", View, Picture, "Curves over time", "Show or hide pan, tilt and focal length over time below the picture; a click on a curve goes to the frame.", [];
     ShowFieldMap, "show_field_map", View, Picture, "Field map", "Show or hide the field map.", ["G"];
     Compare, "compare", View, Picture, "Compare (hold)", "Draw the other solution dashed while the key is held: the other focal length, the camera with other names, or a mended camera as it was imported.", ["B"];
     Uncertainty, "uncertainty", View, Picture, "Uncertainty", "How precise the lines are: a 1-σ band around them, a heat map, or nothing.", ["U"];

@@ -123,7 +123,7 @@ impl App {
         }
         // Whoever closed the question is not asked again; the palette still has the commands.
         let file = open.file.clone();
-        self.operations.burnt_in.undecided = found.clone();
+        self.operations.burnt_in.undecided.clone_from(&found);
         self.effects.push(Effect::SaveSettings);
         if self.settings.remember_asked_burnt_in(&file) {
             return;

@@ -160,10 +160,7 @@ impl Operations {
 
     /// The running work that will give a frame its camera: what it does, and which frames it
     /// answers.
-    pub(super) fn answering(
-        &self,
-        frame: &Frame,
-    ) -> Option<(&'static str, Box<dyn Fn(&Frame) -> bool + '_>)> {
+    pub(super) fn answering(&self, frame: &Frame) -> Option<(&'static str, AnswersFrame<'_>)> {
         let search = self.camera_search.running();
         if let Some(search) = search.filter(|search| search.camera == frame.camera) {
             let answers = |frame: &Frame| frame.camera == search.camera;
@@ -183,10 +180,7 @@ impl Operations {
             .or_else(|| self.base_refinement.tracked_frame())?;
         is_in_shot_of(tracked, frame).then(|| {
             let answers = |frame: &Frame| is_in_shot_of(tracked, frame);
-            (
-                "Tracking cameras",
-                Box::new(answers) as Box<dyn Fn(&Frame) -> bool>,
-            )
+            ("Tracking cameras", Box::new(answers) as AnswersFrame<'_>)
         })
     }
 
@@ -196,6 +190,9 @@ impl Operations {
         self.base_estimate.proposed_base()
     }
 }
+
+/// Says which frames running work gives their cameras.
+type AnswersFrame<'a> = Box<dyn Fn(&Frame) -> bool + 'a>;
 
 /// Whether two frames belong to one shot of one camera.
 fn is_in_shot_of(one: &Frame, other: &Frame) -> bool {

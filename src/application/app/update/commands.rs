@@ -82,6 +82,7 @@ impl App {
             | C::Undo
             | C::Redo
             | C::ShowFieldMap
+            | C::ShowCurves
             | C::CameraPanel
             | C::TrainerPanel
             | C::ReviewPanel
@@ -321,6 +322,7 @@ impl App {
                 self.session.picture.tool = if is_on { Tool::Point } else { Tool::Mask };
             }
             C::ShowFieldMap => self.toggle_setting(|settings| &mut settings.field_map),
+            C::ShowCurves => self.toggle_setting(|settings| &mut settings.curves),
             C::SnapPoints => self.toggle_setting(|settings| &mut settings.snap_points),
             C::BaseOnPaint => self.toggle_setting(|settings| &mut settings.base_on_paint),
             C::SnapSuggestions => self.toggle_setting(|settings| &mut settings.snap_suggestions),

@@ -120,7 +120,9 @@ impl App {
         );
         self.refresh_review();
         self.refresh_accept_sheet();
-        self.quality.refresh(self.open.as_mut(), &self.session);
+        let has_curves = self.settings.curves;
+        self.quality
+            .refresh(self.open.as_mut(), &self.session, has_curves);
         self.refresh_gold();
     }
 

@@ -393,6 +393,7 @@ pub fn plan(command: Command) -> Plan {
         | C::HideOverlay
         | C::OverlayStyle
         | C::ShowFieldMap
+        | C::ShowCurves
         | C::Compare
         | C::Uncertainty
         | C::CameraPanel

@@ -154,10 +154,9 @@ impl App {
             transfer.tab = tab;
             // The format that was used last, in this project or another.
             let last = self.settings.formats.first();
-            if let Some(last) = last.and_then(|name| Format::all().find(|of| of.name() == name)) {
-                if !transfer.is_chosen {
-                    transfer.format = last;
-                }
+            let last = last.and_then(|name| Format::all().find(|of| of.name() == name));
+            if let Some(last) = last.filter(|_| !transfer.is_chosen) {
+                transfer.format = last;
             }
         }
         self.look_again();

@@ -238,7 +238,6 @@ impl Current {
         Self {
             field,
             base,
-            as_imported,
             solution,
             residuals,
             judgement,
@@ -247,6 +246,7 @@ impl Current {
             by_hand,
             disputed,
             better_camera,
+            as_imported,
             off_neighbours,
             readiness,
             ..Self::default()
