@@ -11,8 +11,8 @@ use touchline_vision::media::FrameRef;
 /// Maximum number of recent documents.
 pub const MAX_RECENT: usize = 12;
 
-/// Maximum number of documents of which it is known that a question was asked.
-const MAX_ASKED: usize = 200;
+/// Maximum number of documents of which it is known that they have shown a question.
+const MAX_QUESTIONS: usize = 200;
 
 /// The user's settings, kept as JSON in the user's configuration folder.
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
@@ -47,9 +47,9 @@ pub struct Settings {
     pub formats: Vec<String>,
     /// The field templates that the user chose, last used first.
     pub sports: Vec<String>,
-    /// The files of documents in which the question about burned-in graphics was asked: it is asked
+    /// The files of documents that have shown the question about burned-in graphics: each shows it
     /// once.
-    pub asked_burnt_in: Vec<PathBuf>,
+    pub burnt_in_questions: Vec<PathBuf>,
     /// Whether the field map is shown.
     pub field_map: bool,
     /// Whether pan, tilt and focal length over time are shown below the picture.
@@ -231,7 +231,7 @@ impl Default for Settings {
             recent: Vec::new(),
             formats: Vec::new(),
             sports: Vec::new(),
-            asked_burnt_in: Vec::new(),
+            burnt_in_questions: Vec::new(),
             field_map: true,
             curves: false,
             details: false,
@@ -292,12 +292,16 @@ impl Settings {
         move_to_head(&mut self.sports, template.to_owned(), MAX_RECENT);
     }
 
-    /// Remembers that a document's question about burned-in graphics was asked. Returns whether it
-    /// had been asked before.
-    pub fn remember_asked_burnt_in(&mut self, file: &Path) -> bool {
-        let was_asked = self.asked_burnt_in.iter().any(|known| known == file);
-        move_to_head(&mut self.asked_burnt_in, file.to_path_buf(), MAX_ASKED);
-        was_asked
+    /// Notes that a document shows the question about burned-in graphics. Returns whether it has
+    /// shown it before.
+    pub fn note_burnt_in_question(&mut self, file: &Path) -> bool {
+        let is_known = self.burnt_in_questions.iter().any(|known| known == file);
+        move_to_head(
+            &mut self.burnt_in_questions,
+            file.to_path_buf(),
+            MAX_QUESTIONS,
+        );
+        is_known
     }
 
     /// The same with numbers clamped to their ranges; the file may have been edited by hand.

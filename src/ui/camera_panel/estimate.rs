@@ -36,8 +36,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// Shows the choice to use painted lines, and the button that estimates again. What a first estimate
-/// needs, and its button, are on the card above the panel.
+/// Shows the choice to use painted lines, and the button that estimates again. What a first
+/// estimate needs, and its button, are on the card above the panel.
 fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let ready = panel.app.base_readiness();
     let mut on_paint = panel.app.settings.base_on_paint;

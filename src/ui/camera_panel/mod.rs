@@ -176,7 +176,8 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "POSITION AND ROTATION");
     ui.add(
         Label::new(
-            "Not known yet. It can also be fitted by eye: start from a typical position and drag the numbers until the lines fit.",
+            "Not known yet. It can also be fitted by eye: start from a typical position and drag \
+             the numbers until the lines fit.",
         )
         .wrap(),
     );

@@ -33,7 +33,7 @@ pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Shows the ways to a base.
 fn show_ways(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
     theme::title(ui, "WHERE DOES THE CAMERA STAND?");
-    if let Some((why, frame)) = &missing.abstained {
+    if let Some((why, frame)) = &missing.no_answer {
         ui.add(Label::new(RichText::new(why).color(ui.palette().caution)).wrap());
         if let Some(frame) = frame {
             go_there(panel, ui, frame, "Go to the frame in which clicks help.");
@@ -70,7 +70,7 @@ fn show_ways(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
 /// The tile that starts the search without a click, or says why there is none.
 fn find_tile(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
     let is_video = panel.app.frame().is_some_and(|frame| frame.video.is_some());
-    let says = if missing.abstained.is_some() {
+    let says = if missing.no_answer.is_some() {
         "Look again"
     } else {
         "Find it"

@@ -58,8 +58,8 @@ fn small_line(ui: &mut Ui, text: &str) {
     ui.add(Label::new(line).truncate());
 }
 
-/// The share of the present step that is done, and the time that the rest of it takes at the pace so
-/// far.
+/// The share of the present step that is done, and the time that the rest of it takes at the pace
+/// so far.
 fn describe_pace(ui: &Ui, job: &str, share: Option<f32>) -> String {
     let Some(share) = share else {
         return "Its length is not known.".to_owned();

@@ -1,6 +1,6 @@
-//! The cards at the top of the side panel: the work that runs, and what is missing for a base of the
-//! shown camera. They are above every panel beside the picture, so that *now* and *next* have one
-//! place.
+//! The cards at the top of the side panel: the work that runs, and what is missing for a base of
+//! the shown camera. They are above every panel beside the picture, so that *now* and *next* have
+//! one place.
 
 mod base;
 mod job;

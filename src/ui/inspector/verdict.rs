@@ -244,8 +244,8 @@ fn line_bars(app: &App, ui: &mut Ui) {
             },
         );
         response.on_hover_text(format!(
-            "{says}, at {}. Nine in ten lie nearer; plus: the paint lies below the drawn line, or to \
-             its right.",
+            "{says}, at {}. Nine in ten lie nearer; plus: the paint lies below the drawn line, or \
+             to its right.",
             pluralise(line.places, "place")
         ));
     }

@@ -121,11 +121,11 @@ impl App {
         if found.is_empty() {
             return;
         }
-        // Whoever closed the question is not asked again; the palette still has the commands.
+        // A question that was closed does not come back; the palette still has the commands.
         let file = open.file.clone();
         self.operations.burnt_in.undecided.clone_from(&found);
         self.effects.push(Effect::SaveSettings);
-        if self.settings.remember_asked_burnt_in(&file) {
+        if self.settings.note_burnt_in_question(&file) {
             return;
         }
         let offers = [

@@ -158,6 +158,17 @@ impl Operations {
         .flatten()
     }
 
+    /// Whether a base is being estimated.
+    #[must_use]
+    pub const fn is_estimating_base(&self) -> bool {
+        self.base_estimate.running().is_some()
+    }
+
+    /// Whether a camera or a base is being looked for, or an estimated one waits for a decision.
+    pub(super) const fn is_base_open(&self) -> bool {
+        self.base_estimate.is_open() || self.camera_search.is_running()
+    }
+
     /// The running work that will give a frame its camera: what it does, and which frames it
     /// answers.
     pub(super) fn answering(&self, frame: &Frame) -> Option<(&'static str, AnswersFrame<'_>)> {

@@ -84,8 +84,8 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// Shows the list of formats in groups, those that were used last first, with a field that finds one
-/// by a word. Returns the one that was clicked.
+/// Shows the list of formats in groups, those that were used last first, with a field that finds
+/// one by a word. Returns the one that was clicked.
 fn list(ui: &mut Ui, chosen: Format, last: &[String], goes: fn(Format) -> bool) -> Option<Format> {
     let mut clicked = None;
     let column = vec2(LIST, ui.available_height());

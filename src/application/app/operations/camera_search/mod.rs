@@ -153,8 +153,8 @@ impl CameraSearch {
     }
 }
 
-/// Why the search does not know a camera's sport. None for soccer, for a template of the user's own,
-/// and for any sport once two landmarks are clicked, from which the search then begins.
+/// Why the search does not know a camera's sport. None for soccer, for a template of the user's
+/// own, and for any sport once two landmarks are clicked, from which the search then begins.
 fn why_no_search_of_sport(document: &Document, camera: &CameraId) -> Option<&'static str> {
     let template = &document.field_of_camera(camera).template;
     if template == "soccer" || builtin(template).is_err() {
@@ -164,8 +164,8 @@ fn why_no_search_of_sport(document: &Document, camera: &CameraId) -> Option<&'st
     let is_clicked =
         frames.any(|frame| frame.camera == *camera && frame.landmark_clicks() >= CLICKS_TO_BEGIN);
     (!is_clicked).then_some(
-        "Without a click only soccer fields are found. Click 2 landmarks far from each other in one \
-         frame, then look; or 4 in 3 frames.",
+        "Without a click only soccer fields are found. Click 2 landmarks far from each other in \
+         one frame, then look; or 4 in 3 frames.",
     )
 }
 
@@ -332,6 +332,11 @@ impl CameraSearchState {
         let share = progress.map(|progress| progress.share_of_step() as f32);
         let job = "Finding the camera";
         Some(UnderWay::new(job, sentence(&step), Command::StopFindCamera).with_share(share))
+    }
+
+    /// Whether a search is running.
+    pub(super) const fn is_running(&self) -> bool {
+        self.slot.is_running()
     }
 
     /// The inputs of the running search.

@@ -1,4 +1,4 @@
-//! How far the paint lies from where a camera draws the field's lines, line by line and with a sign.
+//! How far the paint lies from where a camera draws the field's lines, line by line, with a sign.
 //!
 //! A median over all lines hides that one of them is beside its paint. So each line is measured on
 //! its own, at the distance that 90 % of its places do not exceed. The paint is found from a camera
@@ -12,8 +12,8 @@ use touchline_core::geometry::{ImagePoint, quantile};
 use touchline_core::markings::{MarkingOptions, project_lines};
 use touchline_vision::paint::{GroundPicture, SnapOptions, paint_places, snap};
 
-/// Distance from which a camera lies beside its paint, px at 1920 px width. Of a camera that is right
-/// the 90 % place is at 1 to 2 px, more where a line is worn.
+/// Distance from which a camera lies beside its paint, px at 1920 px width. Of a camera that is
+/// right the 90 % place is at 1 to 2 px, more where a line is worn.
 pub const BESIDE_PX: f64 = 5.0;
 
 /// Share of the places of a line that lie within its stated distance.
@@ -47,9 +47,7 @@ pub(super) fn line_offsets(
     // Clicks take no part: a wrong one would hold the camera beside the paint.
     let options = SnapOptions::default();
     let aligned = snap(ground, field, camera.base(), camera.ptz(), &[], &options)
-        .map_or(*camera, |snapped| {
-            PtzCamera::new(*camera.base(), snapped.ptz)
-        });
+        .map_or(*camera, |found| PtzCamera::new(*camera.base(), found.ptz));
     let drawn = project_lines(field, camera, ground.size(), &MarkingOptions::default());
     let mut by_line: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for place in paint_places(ground, field, &aligned) {
@@ -82,8 +80,8 @@ fn signed_quantile_px(offsets_px: &[f64]) -> f64 {
     sign * quantile(&distances_px, SHARE)
 }
 
-/// The offset of a point from a segment, px: positive if the point lies below it, or to the right of
-/// a vertical one.
+/// The offset of a point from a segment, px: positive if the point lies below it, or to the right
+/// of a vertical one.
 fn offset_from_segment_px(point: ImagePoint, from: ImagePoint, to: ImagePoint) -> f64 {
     let distance_px = point.distance_from_segment_px(from, to);
     let (along, away) = (to.offset_from(from), point.offset_from(from));

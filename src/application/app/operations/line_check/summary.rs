@@ -72,7 +72,8 @@ impl LineCheckSummary {
                 format!("the paint contradicts this camera ({found} found where it expects paint)")
             }
             (LineVerdict::CannotSay, Some(px)) => format!(
-                "the paint neither supports nor contradicts this camera ({found} found, {px:.0} px off)"
+                "the paint neither supports nor contradicts this camera ({found} found, {px:.0} px \
+                 off)"
             ),
             (LineVerdict::CannotSay, None) => {
                 format!("the paint neither supports nor contradicts this camera ({found} found)")

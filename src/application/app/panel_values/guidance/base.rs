@@ -8,7 +8,7 @@ use touchline_documents::document::{Frame, FrameStatus};
 
 /// A base is being estimated, or waits for the user's decision.
 pub(super) fn guide_base_estimate(app: &App) -> Option<Guidance> {
-    if app.operations.base_estimate.running().is_some() {
+    if app.operations.is_estimating_base() {
         return Some(Guidance::say(
             "The base is being estimated; its lines are shown before it is used.",
         ));
@@ -52,12 +52,13 @@ pub(super) fn guide_without_base(app: &App, frame: &Frame) -> Option<Guidance> {
     let here = points_alone(frame);
     Some(Guidance::say(match LANDMARKS_ALONE.saturating_sub(here) {
         missing @ 1..LANDMARKS_ALONE => format!(
-            "{here} of {LANDMARKS_ALONE} landmarks or lines here; {missing} more, spread over the picture."
+            "{here} of {LANDMARKS_ALONE} landmarks or lines here; {missing} more, spread over the \
+             picture."
         ),
         0 => "This frame has enough points. Next: a frame that looks elsewhere.".to_owned(),
         _ => format!(
-            "First the program must know where the camera stands. Click {LANDMARKS_ALONE} landmarks \
-             here, or have it found."
+            "First the program must know where the camera stands. Click {LANDMARKS_ALONE} \
+             landmarks here, or have it found."
         ),
     }))
 }

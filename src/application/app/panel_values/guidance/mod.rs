@@ -8,7 +8,6 @@ mod base;
 mod labelling;
 
 use super::progress::{ALL_DONE, missing_references};
-use crate::app::operations::UnderWay;
 use crate::app::window_state::session::{Mode, reason_label};
 use crate::app::{App, Command};
 use base::{guide_base_estimate, guide_without_base};
@@ -41,8 +40,9 @@ impl Guidance {
 
 /// The next step for the user.
 ///
-/// The first case that applies decides: reading a document, no document, the quality page, an action
-/// that was begun, an estimated base, work that will answer the shown frame, and then its state.
+/// The first case that applies decides: reading a document, no document, the quality page, an
+/// action that was begun, an estimated base, work that will answer the shown frame, and then its
+/// state.
 #[must_use]
 pub fn next_step(app: &App) -> Guidance {
     if let Some(opening) = &app.session.disk.opening {
@@ -56,11 +56,9 @@ pub fn next_step(app: &App) -> Guidance {
     };
     if app.session.quality.open {
         // The page takes the place of the side panel, in which the work is shown otherwise.
-        if let Some(UnderWay {
-            job, step, stop, ..
-        }) = app.under_way().into_iter().next()
-        {
-            return Guidance::say(format!("{job}. {step}")).with_button("Stop", stop);
+        if let Some(work) = app.under_way().first() {
+            let text = format!("{}. {}", work.job, work.step);
+            return Guidance::say(text).with_button("Stop", work.stop);
         }
         let key = app.settings.keys.key_or_name(Command::QualityPage);
         return Guidance::say(format!(
@@ -78,7 +76,7 @@ pub fn next_step(app: &App) -> Guidance {
         })
         .or_else(|| other_picture(app))
         .or_else(|| guide_unnamed_click(frame))
-        .or_else(|| awaited(app))
+        .or_else(|| guide_awaited_frame(app))
         // An accepted frame still needs a base, which is then more urgent than the next frame.
         .or_else(|| {
             guide_without_base(app, frame).filter(|_| frame.status == FrameStatus::Reference)
@@ -127,7 +125,7 @@ fn begun(app: &App) -> Option<Guidance> {
 }
 
 /// Running work will answer the frame, so that no click is needed.
-fn awaited(app: &App) -> Option<Guidance> {
+fn guide_awaited_frame(app: &App) -> Option<Guidance> {
     let says = app.awaited_answer()?;
     let next = app.settings.keys.key_or_name(Command::NextNeedsMe);
     Some(Guidance::say(format!(

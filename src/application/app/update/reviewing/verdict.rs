@@ -59,8 +59,8 @@ impl App {
         judgement
     }
 
-    /// Whether the clicks are in doubt only because they leave the corners of the picture uncertain,
-    /// and nothing contradicts them.
+    /// Whether the clicks are in doubt only because they leave the corners of the picture
+    /// uncertain, and nothing contradicts them.
     fn is_only_uncertain(&self) -> bool {
         let Some(solved) = self.current.click_solution() else {
             return false;

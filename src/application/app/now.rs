@@ -26,7 +26,7 @@ pub struct MissingBase {
     /// centre, right. A second frame of one part takes the next free place.
     pub views: [Option<usize>; 3],
     /// Why the last search found no camera, and the frame in which clicks help most.
-    pub abstained: Option<(String, Option<FrameId>)>,
+    pub no_answer: Option<(String, Option<FrameId>)>,
     /// Whether lines are drawn that come from the clicks of the shown frame alone.
     pub lines_from_this_frame: bool,
 }
@@ -63,12 +63,10 @@ impl App {
         let open = self.open.as_ref()?;
         let camera = &self.frame()?.camera;
         let search = &self.operations.camera_search;
-        let estimate = &self.operations.base_estimate;
-        let is_searching = search.running().is_some() || estimate.is_open();
-        if self.current.base.is_some() || is_searching {
+        if self.current.base.is_some() || self.operations.is_base_open() {
             return None;
         }
-        let abstained = match &search.left {
+        let no_answer = match &search.left {
             // The card of the two answers stands in its place.
             SearchFollowUp::Two(_) => return None,
             SearchFollowUp::Abstained {
@@ -96,7 +94,7 @@ impl App {
             why_no_search: self.why_not(Command::FindCamera),
             ready: self.current.readiness,
             views,
-            abstained,
+            no_answer,
             lines_from_this_frame: self.current.preview.is_some(),
         })
     }
