@@ -29,7 +29,7 @@ struct ReceivedInput {
     pointer: bool,
     /// Whether a button of the pointer went down or up.
     button: bool,
-    /// Whether a text field reads what is typed, and all strokes so far typed a character.
+    /// Whether a text field reads what is typed, and every key so far typed a character.
     types: bool,
 }
 
