@@ -10,6 +10,7 @@
 //! | the picture, what is clicked in it and how a click is named | `picture` |
 //! | pictures on the screen, conversion of coordinates, the renderer | `drawing` |
 //! | rows and strips around the picture, and the column of tools | `rows` |
+//! | what goes on and what is missing, above every side panel | `cards` |
 //! | side panels | `inspector`, `camera_panel`, `trainer`, `review`, `reclick` |
 //! | in place of the picture | `quality`, `start` |
 //! | above everything | `dialogs` |
@@ -20,6 +21,7 @@
 //! window*. Lengths on the screen are in egui's points, lengths in a picture in px.
 
 mod camera_panel;
+mod cards;
 mod controls;
 mod dialogs;
 mod drawing;

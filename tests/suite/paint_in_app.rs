@@ -186,34 +186,27 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
         "one at a time"
     );
     // It says so, and can be stopped; then nothing comes of it.
-    let searching = next_step(&headless.app);
+    let card = |headless: &Headless| headless.app.under_way().remove(0);
+    let searching = card(&headless);
+    assert_eq!(searching.job, "Searching the painted lines");
+    assert_eq!(searching.stop, Command::StopSearch);
+    let said = next_step(&headless.app).text;
     assert!(
-        searching
-            .text
-            .starts_with("Searching the painted lines of "),
-        "{searching:?}"
+        said.starts_with("Searching the painted lines for this frame."),
+        "{said}"
     );
-    assert_eq!(searching.offers, [("Stop", Command::StopSearch)]);
     let request = headless.app.operations.frame_snap.running().unwrap().id();
     headless.act(Action::Report(Report::from_progress::<FrameSnap>(
-        request, 0.4,
+        request, 0.5,
     )));
-    assert!(
-        next_step(&headless.app).text.ends_with(": 40 %…"),
-        "{:?}",
-        next_step(&headless.app)
-    );
+    assert_eq!(card(&headless).share, Some(0.5));
     headless.act(Action::Command(Command::StopSearch));
     assert!(
         headless.app.operations.frame_snap.running().is_none()
             && headless.app.why_not(Command::StopSearch).is_some()
     );
     headless.act(Action::Command(Command::SearchLines));
-    assert_eq!(
-        next_step(&headless.app).offers,
-        searching.offers,
-        "another search"
-    );
+    assert_eq!(card(&headless).job, searching.job, "another search");
     let refused = "No camera found: the picture shows 0 px of painted lines";
     headless.wait_until("the refusal", |app| {
         app.session

@@ -21,7 +21,7 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
         window.app().current().preview.is_some(),
         "the landmarks of one frame show what they can"
     );
-    window.press_label("Estimate the base now");
+    window.press_label("Estimate the base");
     window.harness.step();
     window.wait_for(|shell| {
         shell
@@ -78,6 +78,13 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
             .all(|frame| frame.is_solved_by_clicks())
     );
 
+    assert_eq!(
+        window.app().session.panel,
+        SidePanel::Frame,
+        "Enter goes on with the drafts"
+    );
+    window.key(Key::F2);
+    window.harness.run_steps(3);
     // A bar leads to its frame, a cross leaves it out, a button puts it back.
     window
         .harness

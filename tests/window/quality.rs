@@ -4,12 +4,14 @@ use super::harness::Window;
 use crate::parts::{Test, tests};
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
+use touchline::app::{Action, Command};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame;
     [Adapter] the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging;
     [Adapter] errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst;
     [Adapter] without_a_camera_the_page_says_what_will_appear;
+    [Adapter] curves_below_the_picture_lead_to_a_frame;
 ];
 
 const SIZE: [f32; 2] = [1280.0, 720.0];
@@ -133,4 +135,24 @@ fn without_a_camera_the_page_says_what_will_appear() {
     ] {
         window.harness.get_by_label_contains(text);
     }
+}
+
+fn curves_below_the_picture_lead_to_a_frame() {
+    let mut window = Window::open_suggested(&[Some(0.9); 9], SIZE);
+    let name = "Pan, tilt and focal length over time: 9 suggestions";
+    assert!(window.harness.query_by_label(name).is_none());
+    window.apply(Action::Command(Command::ShowCurves));
+    window.harness.run_steps(3);
+    let plots = window.harness.get_by_label(name).rect();
+    let picture = window.harness.get_by_label("Picture").rect();
+    assert!(plots.top() >= picture.bottom(), "{plots:?} {picture:?}");
+    // The pan rises from frame to frame: the last point is at the top of the first plot, on the
+    // right.
+    let last = plots.right_top() + egui::vec2(-18.0, 10.0);
+    window.press(last);
+    window.release(last);
+    assert_eq!(window.app().session.frame, 8);
+    window.apply(Action::Command(Command::ShowCurves));
+    window.harness.run_steps(3);
+    assert!(window.harness.query_by_label(name).is_none());
 }

@@ -57,9 +57,7 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     window.harness.run_steps(2);
     window.key(Key::N);
     assert_eq!(window.app().session.frame, 2);
-    window.press_label(
-        "1 frame has no answer, 1 proposal is uncertain: label frame 3, near pan\u{a0}−15°.",
-    );
+    window.press_label("1 frame has no answer, 1 uncertain: label frame 3, near pan\u{a0}−15°.");
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 3);
     window.press_label("Close the review panel");
@@ -197,7 +195,7 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
     window
         .harness
-        .get_by_label("2 suggestions, probably at most 1 of them wrong. The most doubtful come first, from 97 % on.");
+        .get_by_label("2 suggestions, probably at most 1 of them wrong. The least certain come first, from 97 % on.");
     window.harness.get_by_label("Look at frame 2, 97 %");
     let tick = window
         .harness

@@ -34,10 +34,8 @@ pub enum Effect {
         /// The number of the request, so that its answer is not confused with an earlier one.
         request: u64,
     },
-    /// Set the version aside that another program wrote, and write the document in its place.
-    SaveOver,
-    /// Read the version that another program wrote, and report `DiskReport::Outside`.
-    ReadOutside,
+    /// Do something with the version of the document that another program wrote.
+    Outside(OutsideOrder),
     /// Do something with a file of edits that were set aside.
     Orphan {
         /// The file.
@@ -68,6 +66,8 @@ pub enum Effect {
     LoadCamera(PathBuf),
     /// Ask the user for a path.
     Ask(Question),
+    /// Show a folder in the system's file manager.
+    ShowFolder(PathBuf),
     /// Write the settings.
     SaveSettings,
     /// Close the window; everything is on disk.
@@ -94,6 +94,15 @@ pub enum Opening {
     Demo,
     /// The open document again, as it is on disk; the open state is dropped first.
     Again(PathBuf),
+}
+
+/// What to do with the version of a document that another program wrote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutsideOrder {
+    /// Read it, and report `DiskReport::Outside`.
+    Read,
+    /// Set it aside, and write the document in its place.
+    SaveOver,
 }
 
 /// What to do with edits that were set aside.

@@ -5,10 +5,14 @@ use crate::scene::{OverlayStyle, PictureLook, Sport};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use touchline_documents::exchange::Format;
 use touchline_vision::media::FrameRef;
 
 /// Maximum number of recent documents.
 pub const MAX_RECENT: usize = 12;
+
+/// Maximum number of documents of which it is known that they have shown a question.
+const MAX_QUESTIONS: usize = 200;
 
 /// The user's settings, kept as JSON in the user's configuration folder.
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
@@ -39,8 +43,17 @@ pub struct Settings {
     pub keys: Keymap,
     /// Recent documents, latest first.
     pub recent: Vec<RecentDocument>,
+    /// The names of the formats that were exported to, last used first.
+    pub formats: Vec<String>,
+    /// The field templates that the user chose, last used first.
+    pub sports: Vec<String>,
+    /// The files of documents that have shown the question about burned-in graphics: each shows it
+    /// once.
+    pub burnt_in_questions: Vec<PathBuf>,
     /// Whether the field map is shown.
     pub field_map: bool,
+    /// Whether pan, tilt and focal length over time are shown below the picture.
+    pub curves: bool,
     /// Whether the details in the inspector are unfolded.
     pub details: bool,
     /// Whether points that the user places or drops move to the painted corner, crossing or spot
@@ -216,7 +229,11 @@ impl Default for Settings {
             window: None,
             keys: Keymap::default(),
             recent: Vec::new(),
+            formats: Vec::new(),
+            sports: Vec::new(),
+            burnt_in_questions: Vec::new(),
             field_map: true,
+            curves: false,
             details: false,
             snap_points: true,
             base_on_paint: false,
@@ -262,8 +279,29 @@ impl Settings {
     /// Moves a document to the head of the recent ones.
     pub fn remember(&mut self, document: RecentDocument) {
         self.recent.retain(|known| known.file != document.file);
-        self.recent.insert(0, document);
-        self.recent.truncate(MAX_RECENT);
+        move_to_head(&mut self.recent, document, MAX_RECENT);
+    }
+
+    /// Moves a format to the head of those that were used.
+    pub fn remember_format(&mut self, format: Format) {
+        move_to_head(&mut self.formats, format.name().to_owned(), MAX_RECENT);
+    }
+
+    /// Moves a field template to the head of those that were chosen.
+    pub fn remember_sport(&mut self, template: &str) {
+        move_to_head(&mut self.sports, template.to_owned(), MAX_RECENT);
+    }
+
+    /// Notes that a document shows the question about burned-in graphics. Returns whether it has
+    /// shown it before.
+    pub fn note_burnt_in_question(&mut self, file: &Path) -> bool {
+        let is_known = self.burnt_in_questions.iter().any(|known| known == file);
+        move_to_head(
+            &mut self.burnt_in_questions,
+            file.to_path_buf(),
+            MAX_QUESTIONS,
+        );
+        is_known
     }
 
     /// The same with numbers clamped to their ranges; the file may have been edited by hand.
@@ -285,6 +323,13 @@ impl Settings {
         self.recent.truncate(MAX_RECENT);
         self
     }
+}
+
+/// Moves a value to the head of a list of at most `most`.
+fn move_to_head<T: PartialEq>(list: &mut Vec<T>, value: T, most: usize) {
+    list.retain(|known| *known != value);
+    list.insert(0, value);
+    list.truncate(most);
 }
 
 /// A number clamped to its range; `default` if it is not finite.

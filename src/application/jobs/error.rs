@@ -88,6 +88,16 @@ pub enum JobError {
         /// The document.
         path: PathBuf,
     },
+    /// The system's file manager cannot be started.
+    #[error("{opener} cannot show the folder: {source}; it is {}", folder.display())]
+    NoFileManager {
+        /// The program that was to show it.
+        opener: &'static str,
+        /// The folder.
+        folder: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
     /// The system has no folder for a user's data.
     #[error("this system has no folder for a user's data")]
     NoUserFolder,

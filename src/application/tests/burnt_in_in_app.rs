@@ -75,7 +75,7 @@ fn what_looks_burned_in_causes_a_question_and_is_kept_in_one_step() {
             .iter()
             .map(|(says, _)| *says)
             .collect::<Vec<_>>(),
-        ["Keep", "Change"]
+        ["Ignore", "Edit…"]
     );
     assert_eq!(bench.app.masks_in_question(), [BUG], "shown on the picture");
     bench.act(Action::Navigate(Navigation::GoTo(7)));

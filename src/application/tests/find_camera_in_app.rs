@@ -82,12 +82,8 @@ fn has_base(app: &App) -> bool {
 #[test]
 fn it_is_available_where_a_base_is_missing_and_reports_its_progress() {
     let mut bench = Bench::new(unknown(5));
-    let offers = next_step(&bench.app).offers;
-    assert_eq!(
-        offers[0],
-        ("Find the camera automatically", Command::FindCamera),
-        "{offers:?}"
-    );
+    let missing = bench.app.missing_base().unwrap();
+    assert_eq!(missing.why_no_search, None);
     assert!(
         Bench::new(blank(5))
             .app
@@ -120,12 +116,22 @@ fn it_is_available_where_a_base_is_missing_and_reports_its_progress() {
         "one at a time"
     );
     bench.report_progress::<CameraSearch>(AutocalibrationProgress::Tying { done: 212, of: 480 });
-    let said = next_step(&bench.app);
+    let card = &bench.app.under_way()[0];
     assert_eq!(
-        said.text,
-        "Finding the camera: matching pairs of frames, 212 of 480…"
+        (card.job.as_str(), card.step.as_str()),
+        (
+            "Finding the camera",
+            "Matching pairs of frames, 212 of 480."
+        )
     );
-    assert_eq!(said.offers, [("Stop", Command::StopFindCamera)]);
+    assert_eq!(card.share, Some(212.0 / 480.0));
+    assert_eq!(card.stop, Command::StopFindCamera);
+    assert_eq!(bench.app.missing_base(), None, "its card is in the place");
+    let said = next_step(&bench.app).text;
+    assert!(
+        said.starts_with("Finding the camera for 5 frames, this one too. Review others meanwhile"),
+        "no click is asked for: {said}"
+    );
     bench.command(Command::StopFindCamera);
     assert!(search.is_cancelled() && bench.app.why_not(Command::FindCamera).is_none());
     // What arrives of it all the same is passed over.
@@ -177,7 +183,7 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
         "{}",
         bench.last_notice()
     );
-    bench.assert_notice("known to ±0.5 m. 0 of 4 frames agree");
+    bench.assert_notice("known to ±0.5 m. 0 of 4 frames match");
 
     let open = bench.app.open().unwrap();
     assert_eq!(

@@ -16,6 +16,7 @@ mod headless;
 
 mod app;
 mod around_the_field;
+mod beside_paint;
 mod bulk_in_app;
 mod burnt_in_in_app;
 mod clicking;

@@ -80,8 +80,13 @@ fn another_document_ends_the_tracking_of_a_clip() {
         bench.app.why_not(Command::Track)
     );
     assert_eq!(
-        next_step(&bench.app).text,
-        "Tracking cameras through the shot…"
+        bench.app.under_way()[0].job,
+        "Tracking cameras through the shot"
+    );
+    let said = next_step(&bench.app).text;
+    assert!(
+        said.starts_with("Tracking cameras for 2 frames, this one too."),
+        "{said}"
     );
     assert!(bench.app.why_not(Command::Track).is_some(), "one at a time");
     let started = vec![bench.last_job::<ClipTracking>()];

@@ -4,36 +4,24 @@ use super::{evidence, section};
 use crate::ui::Panel;
 use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
-use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
-use touchline_application::app::operations::base_estimate::EstimateProgress;
+use egui::{Button, Frame, Grid, Margin, RichText, Ui};
 use touchline_application::app::{Action, Command, Keymap};
 use touchline_calibration::calibrate::BaseReadiness;
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::Camera;
 
-/// Shows the state of the estimation: running, proposed, applied, or what is missing.
+/// Shows the state of the estimation: proposed, applied, or what there is to estimate from.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
-    section(ui, "BASE FROM THE FRAMES");
     let state = &panel.app.operations.base_estimate;
-    if let Some(running) = state.running() {
-        let progress = running.progress().copied();
-        ui.add(Label::new(format!("From {}.", running.operation().from)).wrap());
-        // Without a share, the bar is full and animated.
-        let share = progress.map_or(Some(0.0), EstimateProgress::share);
-        let description = progress.map_or_else(
-            || "Looking for initial values…".to_owned(),
-            EstimateProgress::describe,
-        );
-        let bar = ProgressBar::new(share.unwrap_or(1.0)).animate(share.is_none());
-        let bar = ui.add(bar.text(description).desired_height(18.0));
-        bar.on_hover_text(
-            "Every model of lens and crown is fitted to all groups of points but one, in turn.",
-        );
-        panel.run_on_click(ui.button("Stop"), Command::DropEstimatedBase);
+    // While an estimation runs, its card says how far it is.
+    if state.running().is_some() {
+        return;
+    }
+    section(ui, "BASE FROM THE FRAMES");
     // A proposal waits for a decision, so it is shown in the frames of other cameras as well. An
     // applied estimate is history and belongs to its own camera.
-    } else if let Some(found) = state.proposed_base() {
+    if let Some(found) = state.proposed_base() {
         show_proposal(panel, ui, found);
         evidence::show(panel, ui, found);
     } else if let Some(found) = state
@@ -48,43 +36,22 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// Shows what is missing, the choice to use painted lines, and the button that starts.
+/// Shows the choice to use painted lines, and the button that estimates again. What a first
+/// estimate needs, and its button, are on the card above the panel.
 fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let ready = panel.app.base_readiness();
-    if camera.base().is_none() {
-        let text = if ready.is_enough() {
-            format!(
-                "{} are enough to estimate the base. More frames improve it.",
-                pluralise(ready.wide, "frame")
-            )
-        } else {
-            ready.describe()
-        };
-        ui.add(Label::new(text).wrap());
-    }
-    ui.add_space(theme::SPACE);
     let mut on_paint = panel.app.settings.base_on_paint;
     let tick = ui.checkbox(&mut on_paint, "Use the painted lines too");
     if tick.on_hover_text(Command::BaseOnPaint.about()).changed() {
         panel.actions.push(Action::Command(Command::BaseOnPaint));
     }
-    let applied = panel.app.operations.base_estimate.applied_base();
-    let says = if applied.is_some_and(|found| found.camera == camera.id) {
-        "Estimate again"
-    } else {
-        "Estimate the base"
-    };
     ui.horizontal(|ui| {
-        // The button is emphasised when an estimate is the next step.
-        let mut main = Button::new(RichText::new(says).strong());
-        if ready.is_enough() && camera.base().is_none() {
-            main = main.fill(ui.palette().accent_ground);
+        if camera.base().is_some() {
+            let again = Button::new(RichText::new("Estimate again").strong());
+            let button = ui.add_enabled(ready.frames > 0, again);
+            let button = button.on_disabled_hover_text(ready.describe());
+            panel.run_on_click(button, Command::EstimateBase);
         }
-        // Another estimate needs less, because it starts from the present base.
-        let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);
-        let button = ui.add_enabled(possible, main);
-        let button = button.on_disabled_hover_text(ready.describe());
-        panel.run_on_click(button, Command::EstimateBase);
         ui.label(RichText::new(describe_readiness(&ready)).color(ui.palette().weak));
     });
 }

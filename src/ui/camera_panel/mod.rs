@@ -1,10 +1,9 @@
 //! The camera panel: everything that the frames of one camera share.
 //!
-//! Sections: autocalibration, estimation of the base from clicks with its evidence, position and
+//! Sections: estimation of the base from clicks with its evidence, position and
 //! rotation, lens, uncertainty, the field, masks. The overlay follows while a number is dragged, so
 //! that a base can also be fitted by eye.
 
-mod autocalibration;
 mod estimate;
 mod evidence;
 mod field;
@@ -77,7 +76,6 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     if !settled {
                         field::show(panel, ui);
                     }
-                    autocalibration::show(panel, ui, &camera);
                     paint(panel, ui, &camera);
                     estimate::show(panel, ui, &camera);
                     over_time::show(panel, ui, &camera);
@@ -178,7 +176,8 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "POSITION AND ROTATION");
     ui.add(
         Label::new(
-            "Not known yet. Two clicks need a known camera: have it estimated, load one from another project at this venue, or start from a typical position and drag the numbers until the lines fit.",
+            "Not known yet. It can also be fitted by eye: start from a typical position and drag \
+             the numbers until the lines fit.",
         )
         .wrap(),
     );

@@ -99,9 +99,9 @@ fn describe_suggestions(
     };
     let count = pluralise(bulk.ticked_rows().count(), "suggestion");
     let shown = if bulk.preview().len() < bulk.rows.len() {
-        "The most doubtful and samples of the others are shown"
+        "Shown: the least certain, and samples of the rest"
     } else {
-        "The most doubtful come first"
+        "The least certain come first"
     };
     let expected = describe_wrong(expected_wrong);
     let late = match bulk.late {

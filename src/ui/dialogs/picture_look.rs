@@ -21,17 +21,13 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     (
                         "Brightness",
                         &mut look.brightness,
-                        "How bright the picture is; 1: as it is.",
+                        "Brightness; 1 = unchanged.",
                     ),
-                    (
-                        "Contrast",
-                        &mut look.contrast,
-                        "Differences from a middle grey; 1: as they are.",
-                    ),
+                    ("Contrast", &mut look.contrast, "Contrast; 1 = unchanged."),
                     (
                         "Gamma",
                         &mut look.gamma,
-                        "More brightens shadows and keeps black and white; 1: as it is.",
+                        "More brightens shadows and keeps black and white; 1 = unchanged.",
                     ),
                 ] {
                     ui.label(name);

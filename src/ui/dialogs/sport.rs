@@ -10,6 +10,7 @@ use egui::{
     ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::{Action, App, EditAction};
+use touchline_application::scene::{Ground, Sport};
 use touchline_core::field::{FieldModel, builtin, builtin_names};
 use touchline_core::geometry::pluralise;
 
@@ -41,7 +42,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 .auto_shrink([false, true])
                 .show(ui, |ui| {
                     ui.horizontal_wrapped(|ui| {
-                        for name in builtin_names() {
+                        for name in names(&panel.app.settings.sports) {
                             let Ok(template) = builtin(name) else {
                                 continue;
                             };
@@ -50,7 +51,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                             };
                             let card = card(
                                 ui,
-                                &template.title,
+                                (&template.title, ground_colour(name)),
                                 &field,
                                 name == chosen,
                                 guess == Some(name),
@@ -71,6 +72,17 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     );
 }
 
+/// The names of all templates, those that the user chose last first.
+fn names(last: &[String]) -> Vec<&'static str> {
+    let mut names = builtin_names();
+    // A stable sort: the others keep their order.
+    names.sort_by_key(|name| {
+        let place = last.iter().position(|used| used == name);
+        place.unwrap_or(usize::MAX)
+    });
+    names
+}
+
 /// Says what a change of the field costs: the names of points.
 fn cost(app: &App) -> String {
     match app.points_of_field() {
@@ -83,8 +95,28 @@ fn cost(app: &App) -> String {
     }
 }
 
+/// The colour of a sport's ground, dark enough for white lines but on ice.
+fn ground_colour(template: &str) -> Color32 {
+    // Beach volleyball's lines have the colour of an indoor sport, but it is played on sand.
+    if template == "beach_volleyball" {
+        return Color32::from_rgb(150, 122, 78);
+    }
+    match Sport::from_template(template).map(|sport| sport.ground) {
+        Some(Ground::Wood) => Color32::from_rgb(138, 94, 52),
+        Some(Ground::Ice) => Color32::from_rgb(222, 232, 240),
+        Some(Ground::Painted) => Color32::from_rgb(44, 84, 142),
+        Some(Ground::Turf) | None => Color32::from_rgb(38, 74, 48),
+    }
+}
+
 /// A field with its name, as a button.
-fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: bool) -> Response {
+fn card(
+    ui: &mut Ui,
+    (title, turf): (&str, Color32),
+    field: &FieldModel,
+    chosen: bool,
+    guessed: bool,
+) -> Response {
     // Drawn by hand: a drawing with two lines of text below it, as one button.
     let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, title));
@@ -103,7 +135,7 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
         painter.rect_stroke(rect, CornerRadius::same(5), line, StrokeKind::Inside);
     }
     let ground = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME)).shrink(6.0);
-    draw(painter, ground, field);
+    draw(painter, ground, field, turf);
     // "Sport (rules)" is written in two lines.
     let (sport, rules) = title.split_once(" (").unwrap_or((title, ""));
     let at = pos2(rect.center().x, rect.bottom() - NAME);
@@ -144,7 +176,7 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
 
 /// Draws the lines of a field from above, x to the right and y upwards. Lines above the ground,
 /// such as crossbars, are left out.
-fn draw(painter: &Painter, ground: Rect, field: &FieldModel) {
+fn draw(painter: &Painter, ground: Rect, field: &FieldModel, colour: Color32) {
     // The field with a margin around it, as large as the card allows. Templates lie with their
     // length to the right, whatever their size, so each fills its card.
     let scale = (f64::from(ground.width()) / (1.1 * field.length_m))
@@ -154,7 +186,14 @@ fn draw(painter: &Painter, ground: Rect, field: &FieldModel) {
         (0.53 * field.width_m * scale) as f32,
     );
     let turf = Rect::from_center_size(ground.center(), 2.0 * vec2(half_length, half_width));
-    painter.rect_filled(turf, CornerRadius::same(2), Color32::from_rgb(38, 74, 48));
+    painter.rect_filled(turf, CornerRadius::same(2), colour);
+    // White paint is not seen on ice, where lines are red and blue.
+    let is_bright = colour.intensity() > 0.7;
+    let paint = if is_bright {
+        Color32::from_rgb(176, 32, 48)
+    } else {
+        Color32::from_gray(235)
+    };
     for line in field
         .lines
         .iter()
@@ -165,9 +204,6 @@ fn draw(painter: &Painter, ground: Rect, field: &FieldModel) {
         let shown = points.map(|point| {
             ground.center() + vec2((point.x * scale) as f32, (-point.y * scale) as f32)
         });
-        painter.add(Shape::line(
-            shown.collect(),
-            Stroke::new(1.0, Color32::from_gray(225)),
-        ));
+        painter.add(Shape::line(shown.collect(), Stroke::new(1.0, paint)));
     }
 }

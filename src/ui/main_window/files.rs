@@ -45,6 +45,11 @@ impl Files {
         }
     }
 
+    /// Whether a dialog is open, or about to appear.
+    pub const fn is_open(&self) -> bool {
+        self.open.is_some()
+    }
+
     /// Opens a dialog, in the folder `near` if given. If one is open already, nothing happens.
     pub fn ask(&mut self, question: Question, near: Option<&Path>) {
         if self.open.is_some() {

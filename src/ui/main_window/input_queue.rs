@@ -4,6 +4,9 @@
 //! may depend on the effect of the first, which shows in the next frame only: a list opens, a text
 //! field takes the focus, another frame is shown. So events beyond the first stroke or press wait
 //! for the next frame. Their order never changes.
+//!
+//! A text field that has the focus takes letters and digits in bulk, so that a slow window does not
+//! lag behind the typing: what they do does not depend on the frame of the window.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
 use std::collections::VecDeque;
@@ -26,6 +29,8 @@ struct ReceivedInput {
     pointer: bool,
     /// Whether a button of the pointer went down or up.
     button: bool,
+    /// Whether a text field reads what is typed, and every key so far typed a character.
+    types: bool,
 }
 
 impl ReceivedInput {
@@ -44,22 +49,28 @@ impl ReceivedInput {
                 pressed: false,
                 key,
                 ..
-            } => !self.pointer && self.stroke.is_none_or(|(down, _)| down != Some(*key)),
+            } => {
+                let is_new = self.stroke.is_none_or(|(down, _)| down != Some(*key));
+                !self.pointer && (is_new || self.types)
+            }
             // The text that a key types belongs to its stroke.
             Event::Text(_) if matches!(self.stroke, Some((Some(_), false))) => {
                 self.stroke = self.stroke.map(|(key, _)| (key, true));
                 true
             }
-            Event::Key { key, .. } => self.accepts_stroke(Some(*key)),
+            Event::Key { key, modifiers, .. } => {
+                let types = is_character(*key) && !modifiers.command && !modifiers.alt;
+                self.accepts_stroke(Some(*key), types)
+            }
             // A text that no key of this frame has typed, for example from an input method, is a
             // stroke of its own.
-            Event::Text(_)
-            | Event::Ime(_)
+            Event::Text(_) => self.accepts_stroke(None, true),
+            Event::Ime(_)
             | Event::Copy
             | Event::Cut
             | Event::Paste(_)
             | Event::PasteImage(_)
-            | Event::MiddleClickPaste { .. } => self.accepts_stroke(None),
+            | Event::MiddleClickPaste { .. } => self.accepts_stroke(None, false),
             // A click may end in the frame in which it began, but a second press waits.
             Event::PointerButton { pressed, .. } => {
                 let free = self.stroke.is_none() && !(*pressed && self.button);
@@ -74,17 +85,33 @@ impl ReceivedInput {
         }
     }
 
-    /// Accepts a key stroke if the frame has no other stroke and no event of the pointer.
-    fn accepts_stroke(&mut self, key: Option<Key>) -> bool {
-        let free = !self.pointer && self.stroke.is_none();
+    /// Accepts a key stroke if the frame has no other stroke and no event of the pointer. `types`:
+    /// whether it types a character, of which a text field takes several.
+    fn accepts_stroke(&mut self, key: Option<Key>, types: bool) -> bool {
+        let free = !self.pointer && (self.stroke.is_none() || self.types && types);
         self.stroke = Some((key, false));
+        self.types &= types;
         free
     }
 }
 
+/// Whether a key types a letter, a digit, a sign or a space.
+fn is_character(key: Key) -> bool {
+    key == Key::Space || key.symbol_or_name().chars().count() == 1 && !is_arrow(key)
+}
+
+/// Whether a key is an arrow, which has a sign of its own.
+const fn is_arrow(key: Key) -> bool {
+    matches!(
+        key,
+        Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown
+    )
+}
+
 impl InputQueue {
-    /// Queues new events and returns those for the next frame of the window.
-    fn exchange(&mut self, events: Vec<Event>) -> Vec<Event> {
+    /// Queues new events and returns those for the next frame of the window. `into_text`: whether a
+    /// text field has the focus.
+    fn exchange(&mut self, events: Vec<Event>, into_text: bool) -> Vec<Event> {
         let mut text_of_repeat = false;
         for event in events {
             if event == Event::WindowFocused(false) {
@@ -107,7 +134,10 @@ impl InputQueue {
             self.waiting.push_back(event);
         }
         // Whatever still waits, the order stays: the first event that has to wait ends the frame.
-        let mut given = ReceivedInput::default();
+        let mut given = ReceivedInput {
+            types: into_text,
+            ..ReceivedInput::default()
+        };
         let count = self
             .waiting
             .iter()
@@ -167,7 +197,8 @@ impl Plugin for InputQueue {
     }
 
     fn input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
-        input.events = self.exchange(std::mem::take(&mut input.events));
+        let into_text = ctx.text_edit_focused();
+        input.events = self.exchange(std::mem::take(&mut input.events), into_text);
         if !self.waiting.is_empty() {
             ctx.request_repaint();
         }
@@ -206,10 +237,10 @@ mod tests {
     /// The events of each frame of the window, if these events arrive together.
     fn frames(events: &[Event]) -> Vec<Vec<Event>> {
         let mut queue = InputQueue::default();
-        let first = queue.exchange(events.to_vec());
+        let first = queue.exchange(events.to_vec(), false);
         let mut frames = vec![first];
         while !queue.waiting.is_empty() {
-            frames.push(queue.exchange(Vec::new()));
+            frames.push(queue.exchange(Vec::new(), false));
         }
         frames
     }
@@ -231,6 +262,18 @@ mod tests {
             [vec![x], vec![x_up, one], vec![one_up]],
             "a key goes up in the frame after it went down"
         );
+    }
+
+    #[test]
+    fn a_text_field_takes_letters_in_bulk_and_other_keys_alone() {
+        let stroke = |of, typed: &str| [key(of, true), text(typed), key(of, false)];
+        let word: Vec<Event> = [stroke(Key::A, "a"), stroke(Key::B, "b")].concat();
+        let enter = [key(Key::Enter, true), key(Key::Enter, false)];
+        let mut queue = InputQueue::default();
+        let first = queue.exchange([word.clone(), enter.to_vec()].concat(), true);
+        assert_eq!(first, word);
+        assert_eq!(queue.exchange(Vec::new(), true), [enter[0].clone()]);
+        assert_eq!(queue.exchange(Vec::new(), true), [enter[1].clone()]);
     }
 
     #[test]
@@ -325,9 +368,9 @@ mod tests {
         let mut queue = InputQueue::default();
         for _ in 0..2 {
             let shifted = event(Key::Questionmark, true, Modifiers::SHIFT);
-            assert_eq!(queue.exchange(vec![shifted.clone()]), [shifted]);
+            assert_eq!(queue.exchange(vec![shifted.clone()], false), [shifted]);
             // Shift went up before.
-            let up = queue.exchange(vec![event(Key::Slash, false, Modifiers::NONE)]);
+            let up = queue.exchange(vec![event(Key::Slash, false, Modifiers::NONE)], false);
             assert_eq!(up, [event(Key::Questionmark, false, Modifiers::NONE)]);
         }
     }

@@ -10,7 +10,7 @@ use crate::ui::controls::theme::Themed as _;
 use crate::ui::picture::{rejecting, typing, viewport};
 use crate::ui::rows::{filmstrip, menu, notices, status, timeline, tools, tour};
 use crate::ui::{
-    Panel, camera_panel, dialogs, inspector, quality, reclick, review, start, trainer,
+    Panel, camera_panel, cards, dialogs, inspector, quality, reclick, review, start, trainer,
 };
 use egui::{Frame, Margin, Ui, Vec2};
 use touchline_application::app::session::SidePanel;
@@ -137,6 +137,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     reclick::show(panel, ui);
                     return;
                 }
+                cards::show(panel, ui);
                 match panel.app.session.panel {
                     SidePanel::Frame => inspector::show(panel, ui),
                     SidePanel::Camera => camera_panel::show(panel, ui),
@@ -157,6 +158,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             [edges[0].read(ui, areas[0]), edges[1].read(ui, areas[1])],
             remembered,
         );
+        // In a low window the picture keeps its room.
+        let has_room = ui.available_height() >= LEAST_PICTURE[1] + quality::CURVES;
+        if panel.app.settings.curves && has_room && panel.app.round().is_none() {
+            egui::Panel::bottom("curves")
+                .exact_size(quality::CURVES)
+                .resizable(false)
+                .frame(row)
+                .show(ui, |ui| quality::curves(panel, ui));
+        }
         if timeline::is_wanted(panel.app) {
             egui::Panel::bottom("timeline")
                 .exact_size(timeline::HEIGHT)

@@ -91,6 +91,10 @@ impl Shell {
     /// Reads keys and pointer and carries out their actions, so that everything that is drawn
     /// afterwards is up to date.
     fn read_input(&mut self, ctx: &egui::Context) {
+        if self.files.is_open() {
+            // Keys that are typed before the dialog has the focus are meant for it.
+            ctx.input_mut(|input| input.events.retain(|event| !is_typed(event)));
+        }
         let mut actions = Vec::new();
         let mut panel = Panel {
             app: &self.app,
@@ -162,7 +166,7 @@ impl Shell {
         for effect in effects {
             match self.runner.carry_out(effect) {
                 Some(Request::Ask(question)) => {
-                    let near = self.app.open().map(|open| open.folder.clone());
+                    let near = self.folder_to_begin_in();
                     self.files.ask(question, near.as_deref());
                 }
                 Some(Request::SaveSettings) => self.save_settings(),
@@ -170,6 +174,13 @@ impl Shell {
                 None => {}
             }
         }
+    }
+
+    /// The folder in which a file dialog begins: the project's, else that of the last document.
+    fn folder_to_begin_in(&self) -> Option<PathBuf> {
+        let open = self.app.open().map(|open| open.folder.clone());
+        let recent = self.app.settings.recent.first();
+        open.or_else(|| Some(recent?.file.parent()?.to_path_buf()))
     }
 
     /// Writes the settings; a failure is shown as a message.
@@ -258,6 +269,14 @@ impl eframe::App for Shell {
             }
         }
     }
+}
+
+/// Whether an event is a key that goes down, or its text.
+const fn is_typed(event: &egui::Event) -> bool {
+    matches!(
+        event,
+        egui::Event::Key { pressed: true, .. } | egui::Event::Text(_)
+    )
 }
 
 /// Name and interface of a graphics adapter.

@@ -52,12 +52,31 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         TITLE,
         |panel, ui| beside(panel, ui, course, span != whole),
         |panel, ui| {
-            let plots = CoursePlots::new(ui, course, span);
+            let plots = CoursePlots::on_page(ui, course, span);
             let under = plots.show(panel, ui, course, whole);
             read_out(panel, ui, course, under);
             standing_out(panel, ui, course);
         },
     );
+}
+
+/// Height of one of the curves below the picture, points.
+const CURVE: f32 = 32.0;
+/// Height of the three with the numbers below them, points.
+pub(super) const STRIP: f32 = 3.0 * (CURVE + 10.0) + 16.0;
+
+/// Shows the curves alone, below the picture.
+pub(super) fn strip(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let app = panel.app;
+    let course = &app.quality().course;
+    let Some(whole) = course.whole.filter(|_| !course.points.is_empty()) else {
+        return theme::weak_text(ui, NOTHING);
+    };
+    let span = app.session.quality.span;
+    let span = span
+        .and_then(|span| within_whole(span, whole))
+        .unwrap_or(whole);
+    CoursePlots::new(ui, course, span, CURVE).show(panel, ui, course, whole);
 }
 
 /// Shows the zoom buttons, the choice of the time axis and the legend. The layout runs from right

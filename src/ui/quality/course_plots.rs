@@ -51,10 +51,15 @@ pub(super) struct CoursePlots {
 }
 
 impl CoursePlots {
-    /// Allocates the space and chooses the scales. The vertical scales fit what is visible, not the
-    /// whole.
-    pub(super) fn new(ui: &mut Ui, course: &Course, span: [f64; 2]) -> Self {
+    /// The plots on the page, higher in a wider window.
+    pub(super) fn on_page(ui: &mut Ui, course: &Course, span: [f64; 2]) -> Self {
         let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
+        Self::new(ui, course, span, height)
+    }
+
+    /// Allocates the space and chooses the scales. The vertical scales fit what is visible, not the
+    /// whole. `height` is that of one plot, points.
+    pub(super) fn new(ui: &mut Ui, course: &Course, span: [f64; 2], height: f32) -> Self {
         let size = vec2(ui.available_width(), 3.0 * (height + BETWEEN) + BELOW);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         // About one tick for each 26 points of height.
@@ -130,6 +135,7 @@ impl CoursePlots {
                     Stroke::new(1.0, ui.palette().weak),
                 );
             }
+            imported_curve(&painter, plot, course.within(self.span), quantity);
             curve(&painter, plot, course.within(self.span), quantity);
             let out = course
                 .standing_out
@@ -306,6 +312,24 @@ fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
     }
 }
 
+/// Draws the cameras that mended frames were imported with, as a thin line below the curve. Of very
+/// many, as many are drawn as the plot has columns.
+fn imported_curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
+    let columns = (plot.area.width() / COLUMN).max(1.0) as usize;
+    let stride = points.len().div_ceil(columns).max(1);
+    let colour = painter.palette().weak.gamma_multiply(0.55);
+    for shot in
+        points.chunk_by(|a, b| a.shot == b.shot && a.imported.is_some() == b.imported.is_some())
+    {
+        let line = shot.iter().step_by(stride).filter_map(|point| {
+            let at = plot.at(point.at, point.imported?[quantity as usize]);
+            // A camera that was impossible is far outside of the plot.
+            Some(at.clamp(plot.area.min, plot.area.max))
+        });
+        painter.line(line.collect(), Stroke::new(1.0, colour));
+    }
+}
+
 /// Draws the points of a span: single points, joined within a shot, or columns from minimum to
 /// maximum where there are many.
 fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
@@ -364,6 +388,7 @@ mod tests {
             frame: at as usize,
             at,
             values: [pan, 0.0, 1000.0],
+            imported: None,
             kind: PointKind::Suggested,
             shot: 0,
             apart_px: None,

@@ -37,6 +37,14 @@ const GAP: f32 = 8.0;
 /// Rounding of a card's corners.
 const CORNER: CornerRadius = CornerRadius::same(6);
 
+/// Height of the curves below the picture, points.
+pub const CURVES: f32 = course::STRIP;
+
+/// Shows pan, tilt and focal length over time below the picture.
+pub fn curves(panel: &mut Panel<'_>, ui: &mut Ui) {
+    course::strip(panel, ui);
+}
+
 /// Shows the page.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();

@@ -298,11 +298,12 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         confidence_bar(painter, bar, row.confidence);
     }
     // Second line: why the camera is unlikely, or else the distance from its neighbours; in the
-    // order by paint first how far mending has moved the camera.
-    let is_by_paint = panel.app.session.review.order == ReviewOrder::Paint;
+    // orders by paint and by distance first how far mending has moved the camera.
+    let order = panel.app.session.review.order;
+    let is_by_moved = matches!(order, ReviewOrder::Paint | ReviewOrder::Moved);
     let beside = mended
         .clone()
-        .filter(|_| is_by_paint)
+        .filter(|_| is_by_moved)
         .or(neighbours.clone());
     if let Some(text) = unlikely.map(str::to_owned).or(beside) {
         let is_odd = unlikely.is_some() || row.disagrees() || row.is_still();

@@ -59,7 +59,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new()
         .inner_margin(Margin::symmetric(8, 0))
         .show(ui, |ui| {
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 ui.spacing_mut().item_spacing.x = theme::SPACE;
                 let chosen = panel.app.session.review.order;
                 for order in ReviewOrder::ALL {

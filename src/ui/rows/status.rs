@@ -3,7 +3,7 @@
 use crate::ui::Panel;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::drawing::labels::text_width;
-use egui::{Align, Button, Label, Layout, RichText, TextStyle, Ui};
+use egui::{Align, Button, Label, Layout, RectAlign, RichText, TextStyle, Tooltip, Ui};
 use touchline_application::app::guidance::{Guidance, next_step};
 use touchline_application::app::session::PictureView;
 use touchline_application::app::{Action, App, Command};
@@ -14,6 +14,9 @@ const POINTER: f32 = 112.0;
 /// Widths of a button without its text, and of the menu of buttons that have no room, points.
 const AROUND: f32 = 24.0;
 const MORE: f32 = 72.0;
+
+/// Height of the row of messages above this row with some space, points.
+const MESSAGES: f32 = 28.0;
 
 /// Shows the row. In a narrow window the next step takes precedence: its second and later buttons
 /// go into a menu, then the text of undo is left out, then the pointer's position.
@@ -82,8 +85,12 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
     let menu = if shown < offers.len() { MORE } else { 0.0 };
     ui.scope(|ui| {
         ui.set_max_width((room - taken - menu).max(60.0));
-        ui.add(Label::new(RichText::new(&guidance.text).color(ui.palette().strong)).truncate())
-            .on_hover_text(guidance.text.clone());
+        let text = RichText::new(&guidance.text).color(ui.palette().strong);
+        let step = ui.add(Label::new(text).truncate());
+        // Above the row of messages, which lies between.
+        let mut tooltip = Tooltip::for_enabled(&step).gap(MESSAGES);
+        tooltip.popup = tooltip.popup.align(RectAlign::TOP_START);
+        tooltip.show(|ui| ui.label(&guidance.text));
     });
     for (says, command) in &offers[..shown] {
         command_button(panel, ui, says, *command);

@@ -177,7 +177,7 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
     let row = Layout::left_to_right(Align::Center);
     ui.allocate_ui_with_layout(vec2(width, 28.0), row, |ui| {
         let field = TextEdit::singleline(&mut typed)
-            .hint_text("or type a path: a project, a folder, a video, labels")
+            .hint_text("Path of a project, folder, video or labels")
             .margin(Margin::symmetric(8, 6))
             .desired_width(width - 72.0 - 2.0 * theme::SPACE);
         let response = ui.add(field).accessible_name("Path to open").on_hover_text(

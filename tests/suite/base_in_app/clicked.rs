@@ -13,7 +13,7 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
     assert!(
         next_step(&fixture.app)
             .text
-            .starts_with("Two clicks need a known camera.")
+            .starts_with("First the program must know where the camera stands.")
     );
     let (landmarks, last) = {
         let mut landmarks = visible(0);
@@ -34,7 +34,8 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
             );
         }
     }
-    assert!(next_step(&fixture.app).text.ends_with("Done: 1 of 3."));
+    let missing = fixture.app.missing_base().unwrap();
+    assert_eq!(missing.views.into_iter().flatten().collect::<Vec<_>>(), [0]);
     assert!(
         fixture.app.current().preview.is_some(),
         "the lines show what four landmarks tell"

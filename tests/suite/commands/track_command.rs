@@ -7,7 +7,6 @@ use crate::headless::Headless;
 use crate::program::touchline;
 use std::fs;
 use std::path::Path;
-use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline::camera::Ptz;
 use touchline::document::{
@@ -314,10 +313,7 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
     fs::copy(folder.join("ask.json"), folder.join("project.json")).unwrap();
     let mut headless = Headless::open(&folder);
     headless.act(Action::Command(Command::Track));
-    assert_eq!(
-        next_step(&headless.app).offers,
-        [("Stop", Command::StopTracking)]
-    );
+    assert_eq!(headless.app.under_way()[0].stop, Command::StopTracking);
     assert!(
         headless.app.why_not(Command::Track).is_some(),
         "one at a time"

@@ -21,6 +21,8 @@ pub enum Command {
     SaveAs,
     Export,
     ExportDataset,
+    StopExport,
+    ShowExported,
     Import,
     AddNewImages,
     Orphans,
@@ -99,6 +101,7 @@ pub enum Command {
     HideOverlay,
     OverlayStyle,
     ShowFieldMap,
+    ShowCurves,
     Compare,
     Uncertainty,
     CameraPanel,
@@ -238,6 +241,8 @@ rows! {
     Import, "import", File, Document, "Import labels…", "Read clicks or cameras from another program, preview them, and merge them into this document. One step of undo.", [];
     Export, "export", File, Document, "Export…", "Write the document in one of many formats; anything that a format cannot hold is listed first.", ["Ctrl+E"];
     ExportDataset, "export_dataset", File, Document, "Export dataset…", "Write a folder with pictures, labels, splits, a card and a manifest.", ["Ctrl+Shift+E"];
+    StopExport, "stop_export", File, Application, "Stop the export", "End the export or dataset that is being written; nothing is written.", [];
+    ShowExported, "show_exported", File, Application, "Show the last export", "Open the folder of the last export in the system's file manager.", [];
     AddNewImages, "add_new_images", File, Document, "Add new images", "Add the images that came to the folder of the frames since the project was made. One step of undo.", [];
     Orphans, "orphans", File, Document, "Edits set aside…", "Edits that were made to another version of this document: merge them, or keep them as a separate document.", [];
     Quit, "quit", File, Application, "Quit", "Save and close the window.", ["Ctrl+Q"];
@@ -326,8 +331,9 @@ rows! {
     ZoomToClick, "zoom_to_click", View, Picture, "Zoom to the point", "Show the selected point at 800 %.", ["Z"];
     HideOverlay, "hide_overlay", View, Picture, "Hide overlay (hold)", "Hide the overlay while the key is held.", ["H"];
     OverlayStyle, "overlay_style", View, Picture, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
+    ShowCurves, "show_curves", View, Picture, "Curves over time", "Show or hide pan, tilt and focal length over time below the picture; a click on a curve goes to the frame.", [];
     ShowFieldMap, "show_field_map", View, Picture, "Field map", "Show or hide the field map.", ["G"];
-    Compare, "compare", View, Picture, "Compare (hold)", "Draw the other solution dashed while the key is held: the other focal length, or the camera with other names.", ["B"];
+    Compare, "compare", View, Picture, "Compare (hold)", "Draw the other solution dashed while the key is held: the other focal length, the camera with other names, or a mended camera as it was imported.", ["B"];
     Uncertainty, "uncertainty", View, Picture, "Uncertainty", "How precise the lines are: a 1-σ band around them, a heat map, or nothing.", ["U"];
     CameraPanel, "camera_panel", Camera, Document, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
     TrainerPanel, "trainer_panel", View, Document, "Trainer panel", "What the forest is trained on, how accurate it is, and where references are missing.", ["F3"];

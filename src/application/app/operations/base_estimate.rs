@@ -18,7 +18,7 @@ use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{BaseOptions, BaseProgress};
-use touchline_documents::document::{CameraId, Document, Frame, Step};
+use touchline_documents::document::{CameraId, Document, Frame, FrameStatus, Step};
 
 /// Estimates the base of a camera.
 #[derive(Debug)]
@@ -360,6 +360,24 @@ impl App {
         self.session.retract(Command::EstimateBase);
         self.operations.base_estimate.last = LastEstimate::Applied(Arc::clone(found));
         self.tell_assumed_size();
+        if self.session.panel == SidePanel::Camera {
+            self.session.panel = SidePanel::Frame;
+        }
+        self.show_waiting_draft(&found.camera);
+    }
+
+    /// Shows the first frame of a camera that its clicks have solved and that waits for Enter,
+    /// unless the shown frame is one.
+    fn show_waiting_draft(&mut self, camera: &CameraId) {
+        let Some(open) = &self.open else { return };
+        let waits = |frame: &Frame| {
+            frame.camera == *camera && frame.status == FrameStatus::Draft && frame.ptz.is_some()
+        };
+        let is_shown = open.frame(self.session.frame).is_some_and(waits);
+        let first = open.document.frames.iter().position(|frame| waits(frame));
+        if let Some(first) = first.filter(|_| !is_shown) {
+            self.go_to(first);
+        }
     }
 }
 
@@ -404,20 +422,12 @@ impl BaseEstimateState {
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         let running = self.slot.running()?;
-        let far = running
-            .progress()
-            .map(|progress| format!(": {}", progress.describe()))
-            .unwrap_or_default();
-        let text = format!(
-            "Estimating the base from {}{far}…",
-            running.operation().from
-        );
-        let share = running.progress().and_then(|progress| progress.share());
-        Some(UnderWay {
-            text,
-            share,
-            stop: Command::DropEstimatedBase,
-        })
+        let progress = running.progress();
+        let from = format!("From {}", running.operation().from);
+        let step = progress.map_or(from, |progress| progress.describe());
+        let share = progress.and_then(|progress| progress.share());
+        let job = "Estimating the base";
+        Some(UnderWay::new(job, step, Command::DropEstimatedBase).with_share(share))
     }
 }
 

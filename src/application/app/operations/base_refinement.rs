@@ -8,7 +8,7 @@
 use crate::app::operation::AsItWas;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::operations::clip_tracking::{REFINED, describe_progress};
+use crate::app::operations::clip_tracking::{REFINED, describe_progress, share_of};
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ use touchline_calibration::calibrate::{
 use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{Camera, Document, FrameId, Step};
+use touchline_documents::document::{Camera, Document, Frame, FrameId, Step};
 
 /// Refines the base of a clip's camera.
 pub struct BaseRefinement {
@@ -319,25 +319,30 @@ impl App {
 // ---- Words ----
 
 impl BaseRefinementState {
+    /// The frame on whose shot the base is being refined.
+    pub(super) fn tracked_frame(&self) -> Option<&Frame> {
+        let refinement = self.slot.running()?.operation();
+        refinement
+            .document
+            .frames
+            .get(refinement.frame)
+            .map(|frame| &**frame)
+    }
+
     /// The running refinement with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let text = match self.slot.running()?.progress() {
-            None => "Refining the base on this shot…".to_owned(),
+        let (step, share) = match self.slot.running()?.progress() {
+            None => ("Opening the pictures".to_owned(), None),
             Some(RefinementProgress::Adjusting) => {
-                "Adjusting the base to the painted lines of all frames…".to_owned()
+                let step = "Adjusting the base to the painted lines of all frames";
+                (step.to_owned(), None)
             }
             Some(RefinementProgress::Tracking(progress)) => {
-                format!(
-                    "Refining the base on this shot. {}",
-                    describe_progress(progress)
-                )
+                (describe_progress(progress), share_of(progress))
             }
         };
-        Some(UnderWay {
-            text,
-            share: None,
-            stop: Command::StopTracking,
-        })
+        let job = "Refining the base on this shot";
+        Some(UnderWay::new(job, step, Command::StopTracking).with_share(share))
     }
 }
 

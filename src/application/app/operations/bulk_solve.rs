@@ -4,7 +4,7 @@
 //! The user may edit the document while the background works. The result is therefore joined with
 //! the document as it is at the end; if they no longer fit together, the work starts again.
 
-use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
@@ -102,7 +102,7 @@ impl App {
         if let Some(running) = self.operations.bulk_solve.slot.running() {
             let text = format!(
                 "Not while another change is under way: {}",
-                describe(running)
+                running.operation().step.name
             );
             self.session
                 .notify_with(Level::Info, text, Some(("Stop", Command::StopSolving)));
@@ -206,27 +206,17 @@ impl App {
 impl BulkSolveState {
     /// The running change with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let text = describe(self.slot.running()?);
-        Some(UnderWay {
-            text,
-            share: None,
-            stop: Command::StopSolving,
-        })
+        let running = self.slot.running()?;
+        let progress = running.progress();
+        let step = progress.map_or_else(String::new, |progress| {
+            format!(
+                "{} of {} frames solved again",
+                thousands(progress.done),
+                thousands(progress.of)
+            )
+        });
+        let job = running.operation().step.name.clone();
+        let share = progress.map(|progress| progress.fraction());
+        Some(UnderWay::new(job, step, Command::StopSolving).with_share(share))
     }
-}
-
-/// The running change and its progress, in one sentence.
-fn describe(running: &Running<BulkSolving>) -> String {
-    let far = running.progress().map(|progress| {
-        format!(
-            ": {} of {} frames solved again",
-            thousands(progress.done),
-            thousands(progress.of)
-        )
-    });
-    format!(
-        "{}{}…",
-        running.operation().step.name,
-        far.unwrap_or_default()
-    )
 }

@@ -2,6 +2,7 @@
 //! and asks the user whether to mask them.
 
 use crate::app::Tool;
+use crate::app::effect::Effect;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::window_state::session::{Level, SidePanel};
 use crate::app::{App, Command};
@@ -120,13 +121,19 @@ impl App {
         if found.is_empty() {
             return;
         }
+        // A question that was closed does not come back; the palette still has the commands.
+        let file = open.file.clone();
+        self.operations.burnt_in.undecided.clone_from(&found);
+        self.effects.push(Effect::SaveSettings);
+        if self.settings.note_burnt_in_question(&file) {
+            return;
+        }
         let offers = [
-            ("Keep", Command::KeepBurntIn),
-            ("Change", Command::ChangeBurntIn),
+            ("Ignore", Command::KeepBurntIn),
+            ("Edit…", Command::ChangeBurntIn),
         ];
         self.session
             .notify_with(Level::Question, describe(&found), offers);
-        self.operations.burnt_in.undecided = found;
     }
 
     /// Makes the graphics masks of their cameras; one step of undo.
@@ -197,12 +204,10 @@ fn describe(found: &[FoundMask]) -> String {
                 height,
             } = one.mask.pixel_box;
             let size = format!("{width:.0} × {height:.0} px at {x:.0}, {y:.0}");
-            format!(
-                "An area looks burned in ({size}). Keep it as a mask, out of training and proposals?"
-            )
+            format!("An area looks burned in ({size}). Ignore it from now on?")
         }
         more => format!(
-            "{} areas look burned in. Keep them as masks, out of training and proposals?",
+            "{} areas look burned in. Ignore them from now on?",
             more.len()
         ),
     }

@@ -348,23 +348,20 @@ impl App {
 // ---- Words ----
 
 impl FrameSnapState {
+    /// Whether the painted lines of a frame are being searched.
+    pub(super) fn is_searching(&self, frame: &Frame) -> bool {
+        self.search()
+            .is_some_and(|search| search.operation().frame.id == frame.id)
+    }
+
     /// The running search with its progress, for the status row. An alignment takes too little time
     /// to be shown.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let search = self.search()?;
-        let far = search
-            .progress()
-            .map(|share| format!(": {:.0} %", 100.0 * share))
-            .unwrap_or_default();
-        let text = format!(
-            "Searching the painted lines of {}{far}…",
-            search.operation().frame.name()
-        );
-        Some(UnderWay {
-            text,
-            share: None,
-            stop: Command::StopSearch,
-        })
+        let share = search.progress().map(|share| *share as f32);
+        let step = search.operation().frame.name();
+        let job = "Searching the painted lines";
+        Some(UnderWay::new(job, step, Command::StopSearch).with_share(share))
     }
 }
 

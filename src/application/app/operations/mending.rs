@@ -265,17 +265,18 @@ impl App {
 // ---- Words ----
 
 impl MendingState {
+    /// Whether cameras are being mended.
+    pub(super) const fn is_running(&self) -> bool {
+        self.slot.is_running()
+    }
+
     /// The mending under way, with how far it has come.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
         let progress = self.slot.running()?.progress();
-        let step = progress.map_or("Mending the imported cameras", |progress| progress.step);
+        let step = progress.map_or("Opening the pictures", |progress| progress.step);
         let share = progress.and_then(|progress| progress.share);
-        let percent = share.map(|share| format!(" {:.0} %", 100.0 * share));
-        Some(UnderWay {
-            text: format!("{step}…{}", percent.unwrap_or_default()),
-            share,
-            stop: Command::StopMending,
-        })
+        let job = "Mending the imported cameras";
+        Some(UnderWay::new(job, step, Command::StopMending).with_share(share))
     }
 }
 

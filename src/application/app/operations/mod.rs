@@ -33,7 +33,7 @@ pub use camera_watch::CameraWatch;
 pub use clip_tracking::ClipTracking;
 pub use comparison::{Comparison, ComparisonResult};
 pub use frame_snap::FrameSnap;
-pub use line_check::LineCheckSummary;
+pub use line_check::{BESIDE_PX, LineCheckSummary, LineOffset};
 pub use mending::Mending;
 pub use new_images::NewImages;
 pub use path_sorting::{ForeignLabels, PathSorting};
@@ -62,6 +62,7 @@ use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
 use std::sync::Arc;
 use touchline_calibration::calibrate::EstimatedBase;
+use touchline_documents::document::Frame;
 use transfer::TransferState;
 
 /// The state of each operation on the open document. Opening another document replaces this value,
@@ -106,15 +107,32 @@ pub struct Operations {
     pub(crate) probe: ProbeState,
 }
 
-/// Work that the user started and waits for; shown in the status row.
+/// Work that the user started and waits for, as its card in the side panel shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnderWay {
-    /// What is being done and how far it has come, in one sentence.
-    pub text: String,
+    /// The name of the whole work, a few words.
+    pub job: String,
+    /// The present step and how far it has come, in one sentence.
+    pub step: String,
     /// The share of the present step that is done, 0 to 1; none if it is unknown.
     pub share: Option<f32>,
     /// The command that stops it.
     pub stop: Command,
+}
+
+impl UnderWay {
+    fn new(job: impl Into<String>, step: impl Into<String>, stop: Command) -> Self {
+        Self {
+            job: job.into(),
+            step: step.into(),
+            share: None,
+            stop,
+        }
+    }
+
+    fn with_share(self, share: Option<f32>) -> Self {
+        Self { share, ..self }
+    }
 }
 
 impl Operations {
@@ -124,22 +142,57 @@ impl Operations {
         self.transfer.writing().is_some()
     }
 
-    /// The work that the status row shows: the first that runs, in the order of this list.
-    #[must_use]
-    pub fn under_way(&self) -> Option<UnderWay> {
-        self.bulk_solve
-            .under_way()
-            .or_else(|| self.camera_search.under_way())
-            .or_else(|| self.base_refinement.under_way())
-            .or_else(|| self.clip_tracking.under_way())
-            .or_else(|| self.mending.under_way())
-            .or_else(|| self.frame_snap.under_way())
+    /// The work that the side panel shows, with its progress.
+    pub fn under_way(&self) -> impl Iterator<Item = UnderWay> {
+        [
+            self.bulk_solve.under_way(),
+            self.camera_search.under_way(),
+            self.base_estimate.under_way(),
+            self.base_refinement.under_way(),
+            self.clip_tracking.under_way(),
+            self.mending.under_way(),
+            self.frame_snap.under_way(),
+            self.transfer.under_way(),
+        ]
+        .into_iter()
+        .flatten()
     }
 
-    /// The estimation of a base, if one runs. Separate from [`Self::under_way`], because the status
-    /// row shows it only while the user is not placing points.
-    pub(super) fn base_under_way(&self) -> Option<UnderWay> {
-        self.base_estimate.under_way()
+    /// Whether a base is being estimated.
+    #[must_use]
+    pub const fn is_estimating_base(&self) -> bool {
+        self.base_estimate.running().is_some()
+    }
+
+    /// Whether a camera or a base is being looked for, or an estimated one waits for a decision.
+    pub(super) const fn is_base_open(&self) -> bool {
+        self.base_estimate.is_open() || self.camera_search.is_running()
+    }
+
+    /// The running work that will give a frame its camera: what it does, and which frames it
+    /// answers.
+    pub(super) fn answering(&self, frame: &Frame) -> Option<(&'static str, AnswersFrame<'_>)> {
+        let search = self.camera_search.running();
+        if let Some(search) = search.filter(|search| search.camera == frame.camera) {
+            let answers = |frame: &Frame| frame.camera == search.camera;
+            return Some(("Finding the camera", Box::new(answers)));
+        }
+        if self.mending.is_running() && frame.has_imported_camera() {
+            return Some(("Mending the cameras", Box::new(Frame::has_imported_camera)));
+        }
+        if self.frame_snap.is_searching(frame) {
+            let id = frame.id.clone();
+            let answers = move |frame: &Frame| frame.id == id;
+            return Some(("Searching the painted lines", Box::new(answers)));
+        }
+        let tracked = self
+            .clip_tracking
+            .tracked_frame()
+            .or_else(|| self.base_refinement.tracked_frame())?;
+        is_in_shot_of(tracked, frame).then(|| {
+            let answers = |frame: &Frame| is_in_shot_of(tracked, frame);
+            ("Tracking cameras", Box::new(answers) as AnswersFrame<'_>)
+        })
     }
 
     /// The estimated base that waits for the user's decision.
@@ -147,6 +200,15 @@ impl Operations {
     pub const fn proposed_base(&self) -> Option<&Arc<EstimatedBase>> {
         self.base_estimate.proposed_base()
     }
+}
+
+/// Says which frames running work gives their cameras.
+type AnswersFrame<'a> = Box<dyn Fn(&Frame) -> bool + 'a>;
+
+/// Whether two frames belong to one shot of one camera.
+fn is_in_shot_of(one: &Frame, other: &Frame) -> bool {
+    let file = |frame: &Frame| frame.video.as_ref().map(|video| video.path.clone());
+    one.camera == other.camera && one.clip == other.clip && file(one) == file(other)
 }
 
 impl App {
@@ -170,6 +232,8 @@ impl App {
             | C::RefineBaseOnShot => self.why_not_clip_tracking(command),
             C::MendCameras | C::StopMending => self.why_not_mending(command),
             C::AddNewImages => self.why_not_add_images(),
+            C::ShowExported => self.why_not_show_exported(),
+            C::StopExport => self.why_not_stop_export(),
             C::CompareAnnotators => self.why_not_compare(),
             C::Snap | C::SearchLines | C::StopSearch => self.why_not_frame_snap(command),
             C::FindShots | C::StopShotSearch => self.why_not_shot_search(command),

@@ -14,7 +14,7 @@ pub fn just_accepted(counts: &FrameCounts, used_for_training: bool) -> String {
     let plural = if references == 1 { "" } else { "s" };
     match (left, missing_references(counts)) {
         (0, _) => ALL_DONE.to_owned(),
-        _ if !used_for_training => format!("Accepted (not used for training), {left} to do."),
+        _ if !used_for_training => format!("Accepted. {left} to do."),
         (_, 0) => format!("Reference saved: {references} reference{plural}, {left} to do."),
         (_, missing) => {
             format!(

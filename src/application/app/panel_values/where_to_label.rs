@@ -26,8 +26,8 @@ pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> O
     };
     let unsure = match advice.uncertain {
         0 => None,
-        1 => Some("1 proposal is uncertain".to_owned()),
-        proposals => Some(format!("{proposals} proposals are uncertain")),
+        1 => Some("1 uncertain".to_owned()),
+        proposals => Some(format!("{proposals} uncertain")),
     };
     let all = advice.unanswered + advice.uncertain;
     let which = match (without, unsure) {
@@ -111,11 +111,11 @@ mod tests {
         );
         assert_eq!(
             said(14, 2, Some(next(None, 9))).unwrap(),
-            "14 frames have no answer, 2 proposals are uncertain: label frame 3. No reference looks near pan\u{a0}−31°."
+            "14 frames have no answer, 2 uncertain: label frame 3. No reference looks near pan\u{a0}−31°."
         );
         assert_eq!(
             said(0, 1, near).unwrap(),
-            "1 proposal is uncertain: label frame 3, near pan\u{a0}40°."
+            "1 uncertain: label frame 3, near pan\u{a0}40°."
         );
         assert_eq!(
             said(1, 0, Some(next(None, 1))).unwrap(),

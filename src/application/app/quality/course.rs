@@ -3,6 +3,7 @@
 use crate::app::review::disagrees;
 use crate::app::window_state::choices::TimeAxis;
 use touchline_calibration::calibrate::Disagreements;
+use touchline_core::camera::{PanTilt, PtzCamera};
 use touchline_core::geometry::AngleRange;
 use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameStatus};
 
@@ -81,6 +82,8 @@ pub struct CoursePoint {
     /// Pan and tilt in degrees, focal length in px of the frame. Pan is unwrapped, so that it does
     /// not jump at ±180°: see [`AngleRange::unwrap_angle`].
     pub values: [f64; 3],
+    /// The same values of the camera that the frame was imported with, if mending replaced it.
+    pub imported: Option<[f64; 3]>,
     /// The frame's status.
     pub kind: PointKind,
     /// The number of the shot along the axis. Points with the same number are joined by a line.
@@ -179,6 +182,7 @@ impl Course {
                     ptz.tilt_deg,
                     ptz.focal_px,
                 ],
+                imported: imported_values(document, frame, &seen),
                 kind,
                 shot: course.cuts.len(),
                 apart_px: disagreement.map(|found| found.apart_px),
@@ -224,6 +228,20 @@ impl Course {
                 .map(|point| point.at),
         }
     }
+}
+
+/// Pan, tilt and focal length of the camera that a frame was imported with: where it looks, on the
+/// base that the frame has now.
+fn imported_values(document: &Document, frame: &Frame, seen: &AngleRange) -> Option<[f64; 3]> {
+    let imported = frame.solution.as_ref()?.imported.as_ref()?;
+    let base = document.camera_of(frame)?.base_for(frame)?;
+    let (of_import, ptz) = imported.on_base_of(&base);
+    // The optical axis is the third row of the rotation from the world to the camera.
+    let cam_from_world = PtzCamera::new(of_import, ptz).cam_from_world();
+    let axis_in_base = base.base_from_world * cam_from_world.row(2).transpose();
+    let looks = PanTilt::from_direction(axis_in_base);
+    let pan = seen.unwrap_angle(looks.pan);
+    Some([pan.degrees(), looks.tilt.degrees(), imported.focal_px])
 }
 
 /// The position of a frame on a time axis: its index, or its time in the video, s.

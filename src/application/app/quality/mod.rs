@@ -1,7 +1,8 @@
 //! The values on the quality page: cameras over time, errors of clicks, coverage. They are derived
 //! and never stored.
 //!
-//! The page shows one camera of the document. Nothing is computed while it is closed.
+//! The page shows one camera of the document. Nothing is computed while it is closed and no curves
+//! are shown below the picture.
 
 mod course;
 mod errors;
@@ -39,10 +40,16 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Recomputes the values if the page is open and its inputs have changed.
-    pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session) {
+    /// Recomputes the values if the page is open, or the curves below the picture are shown, and
+    /// their inputs have changed.
+    pub(super) fn refresh(
+        &mut self,
+        open: Option<&mut OpenProject>,
+        session: &Session,
+        has_curves: bool,
+    ) {
         let choice = &session.quality;
-        let Some(open) = open.filter(|_| choice.open) else {
+        let Some(open) = open.filter(|_| choice.open || has_curves) else {
             // Free the values of a closed page: of a long match they are many.
             if self.derived_from.is_some() {
                 *self = Self::default();

@@ -91,10 +91,14 @@ pub(super) fn doubtful_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
 /// moved them, the farthest first.
 fn off_paint_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
     let verdict = |row: &ReviewRow| row.paint.unwrap_or(LineVerdict::CannotSay);
-    let moved = |row: &ReviewRow| row.shift_by_mending_px.unwrap_or(0.0);
     verdict(a)
         .cmp(&verdict(b))
-        .then_with(|| moved(b).total_cmp(&moved(a)))
+        .then_with(|| moved_px(b).total_cmp(&moved_px(a)))
+}
+
+/// How far mending moved a frame's camera, px; 0 for a frame that was not imported.
+fn moved_px(row: &ReviewRow) -> f64 {
+    row.shift_by_mending_px.unwrap_or(0.0)
 }
 
 /// Compares two rows in the chosen order; equal ones by time.
@@ -104,6 +108,7 @@ pub(super) fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Orde
         ReviewOrder::Confidence => doubtful_first(a, b),
         ReviewOrder::Disagreement => apart(b).total_cmp(&apart(a)),
         ReviewOrder::Paint => off_paint_first(a, b),
+        ReviewOrder::Moved => moved_px(b).total_cmp(&moved_px(a)),
         ReviewOrder::Time => Ordering::Equal,
     };
     by_choice.then(a.frame.cmp(&b.frame))
@@ -160,6 +165,12 @@ mod tests {
         };
         let review = review_of(&mut open, choice);
         assert_eq!(frames(&review), [3, 1, 4, 2, 0]);
+        let by_distance = ReviewChoice {
+            order: ReviewOrder::Moved,
+            ..choice
+        };
+        let review = review_of(&mut open, by_distance);
+        assert_eq!(frames(&review), [4, 2, 0, 3, 1]);
         let off_paint: Vec<bool> = open
             .document
             .frames

@@ -82,6 +82,7 @@ impl App {
             | C::Undo
             | C::Redo
             | C::ShowFieldMap
+            | C::ShowCurves
             | C::CameraPanel
             | C::TrainerPanel
             | C::ReviewPanel
@@ -199,6 +200,7 @@ impl App {
             self.session.notify(Level::Info, reason);
             return;
         }
+        let named_automatically = self.session.points.named_automatically;
         self.session.forget_placed();
         match command {
             // File.
@@ -217,6 +219,8 @@ impl App {
             C::SaveAs => self.effects.push(Effect::Ask(Question::CopyTo)),
             C::Export => self.open_transfer(TransferTab::Export),
             C::ExportDataset => self.open_transfer(TransferTab::Dataset),
+            C::ShowExported => self.show_exported(),
+            C::StopExport => self.stop_transfer(),
             C::Import => self.open_transfer(TransferTab::Import),
             C::LoadCamera => self.effects.push(Effect::Ask(Question::CameraFrom)),
             C::Quit => self.close_requested(),
@@ -248,7 +252,7 @@ impl App {
             }
             C::NextClick => self.step_click(true),
             C::PreviousClick => self.step_click(false),
-            C::Cancel => self.cancel(),
+            C::Cancel => self.cancel(named_automatically),
             // Navigation and shots.
             C::NextFrame => self.step_frame(1),
             C::PreviousFrame => self.step_frame(-1),
@@ -318,6 +322,7 @@ impl App {
                 self.session.picture.tool = if is_on { Tool::Point } else { Tool::Mask };
             }
             C::ShowFieldMap => self.toggle_setting(|settings| &mut settings.field_map),
+            C::ShowCurves => self.toggle_setting(|settings| &mut settings.curves),
             C::SnapPoints => self.toggle_setting(|settings| &mut settings.snap_points),
             C::BaseOnPaint => self.toggle_setting(|settings| &mut settings.base_on_paint),
             C::SnapSuggestions => self.toggle_setting(|settings| &mut settings.snap_suggestions),
@@ -394,7 +399,9 @@ impl App {
 
     /// Carries out Escape: ends one thing, the topmost of dialog, opening of a document, labels
     /// that wait, quality page, estimated base, masks, mode, and at last the selections.
-    fn cancel(&mut self) {
+    /// `named_automatically` is the point that was just placed and has named itself: it is taken
+    /// back, with what it did to the frame.
+    fn cancel(&mut self, named_automatically: Option<usize>) {
         if self.session.dialog.is_some() {
             self.close_dialog();
             return;
@@ -441,6 +448,9 @@ impl App {
             }
             Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
             Mode::ClickingAgain(_) => self.end_round(),
+            Mode::Idle if named_automatically.is_some_and(|click| self.is_placed_last(click)) => {
+                self.undo(true);
+            }
             Mode::Idle if self.session.points.next_on_line => {
                 self.session.points.next_on_line = false;
             }

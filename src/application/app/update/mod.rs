@@ -93,17 +93,12 @@ impl App {
     /// Carries out an action. Returns the effects in the order in which the shell must carry them
     /// out.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
-        // What is compared with the state after the action.
-        let (readiness, revision) = (self.current.readiness, self.revision());
         self.tell_tour(&action);
         // The action itself, then what waited for its end.
         self.apply(action);
         self.take_over_what_waited();
         // Derived values. Whatever follows reads them.
         self.refresh_derived();
-        if self.revision() != revision {
-            self.tell_when_enough(readiness);
-        }
         // What follows from the changed document: the tour's next step, background work, the
         // trainer, templates that are still to be read.
         self.advance_tour();
@@ -111,10 +106,6 @@ impl App {
         self.tell_trainer();
         self.read_templates();
         std::mem::take(&mut self.effects)
-    }
-
-    fn revision(&self) -> Option<u64> {
-        self.open.as_ref().map(|open| open.revision)
     }
 
     /// Recomputes the derived values that are out of date. The order matters: later ones depend on
@@ -129,7 +120,9 @@ impl App {
         );
         self.refresh_review();
         self.refresh_accept_sheet();
-        self.quality.refresh(self.open.as_mut(), &self.session);
+        let has_curves = self.settings.curves;
+        self.quality
+            .refresh(self.open.as_mut(), &self.session, has_curves);
         self.refresh_gold();
     }
 

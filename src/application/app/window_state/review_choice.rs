@@ -10,16 +10,19 @@ pub enum ReviewOrder {
     Disagreement,
     /// Those first that the painted lines contradict.
     Paint,
+    /// Those first that mending moved farthest.
+    Moved,
     /// In the document's order.
     Time,
 }
 
 impl ReviewOrder {
     /// All orders, as the panel lists them.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::Confidence,
         Self::Disagreement,
         Self::Paint,
+        Self::Moved,
         Self::Time,
     ];
 
@@ -30,6 +33,7 @@ impl ReviewOrder {
             Self::Confidence => "Confidence",
             Self::Disagreement => "Disagreement",
             Self::Paint => "Paint",
+            Self::Moved => "Moved",
             Self::Time => "Time",
         }
     }
@@ -47,6 +51,9 @@ impl ReviewOrder {
             Self::Paint => {
                 "Those first that the painted lines contradict, then those on which they do not \
                  decide; among equals those that mending moved farthest."
+            }
+            Self::Moved => {
+                "Those first whose imported camera mending moved farthest, in px of the picture."
             }
             Self::Time => "In the order of the frames.",
         }

@@ -21,11 +21,11 @@ mod document;
 mod task;
 
 use self::document::actions_of;
-use self::task::{Kind, Outcome, Task, camera_with_base, save_copy};
+use self::task::{Kind, Outcome, Task, camera_with_base, save_copy, show_folder};
 use super::opening::Ready;
 use super::{Background, BackgroundReport, Saver, SharedPictures, Trainer, Wake};
 use crate::app::operation::{Job, Report};
-use crate::app::{Action, DiskReport, Effect, Question};
+use crate::app::{Action, DiskReport, Effect, OutsideOrder, Question};
 use touchline_core::field::template_named;
 use touchline_documents::store::Location;
 
@@ -121,8 +121,8 @@ impl Runner {
             },
             Effect::WriteDocument => self.tell_saver(Saver::write),
             Effect::Save { request } => self.tell_saver(|saver| saver.save(request)),
-            Effect::SaveOver => self.tell_saver(Saver::save_over),
-            Effect::ReadOutside => self.tell_saver(Saver::read_outside),
+            Effect::Outside(OutsideOrder::SaveOver) => self.tell_saver(Saver::save_over),
+            Effect::Outside(OutsideOrder::Read) => self.tell_saver(Saver::read_outside),
             Effect::Orphan { file, order } => self.begin_with_orphan(file, order),
             Effect::SaveCopy {
                 of,
@@ -142,6 +142,10 @@ impl Runner {
                 camera_with_base(&path).map(|camera| {
                     Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera))))
                 })
+            }),
+            Effect::ShowFolder(folder) => self.begin("file manager", Kind::Other, move |_| {
+                show_folder(&folder)?;
+                Ok(Outcome::Nothing)
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
             Effect::SaveSettings => return Some(Request::SaveSettings),

@@ -9,6 +9,7 @@ use crate::jobs::opening::{Ready, refuse_unwritable};
 use crate::jobs::{Background, BackgroundReport, JobError, Reporter};
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::process::{Command, Stdio};
 use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store::{self, Location, Store};
 
@@ -16,6 +17,7 @@ use touchline_documents::store::{self, Location, Store};
 pub(super) enum Outcome {
     Opened(Box<Ready>),
     Action(Action),
+    Nothing,
 }
 
 /// What a task depends on; decides when its result is discarded.
@@ -96,6 +98,7 @@ impl Runner {
             while let Some(report) = task.background.poll() {
                 match report {
                     _ if task.given_up => {}
+                    BackgroundReport::Done(Ok(Outcome::Nothing)) => {}
                     BackgroundReport::Done(Ok(Outcome::Opened(ready))) => self.ready = Some(ready),
                     BackgroundReport::Progress(action)
                     | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
@@ -135,6 +138,30 @@ pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), J
     let copy = document.relocate(location.folder());
     refuse_unwritable(&copy, location.folder())?;
     Store::create(&location, &copy)?;
+    Ok(())
+}
+
+/// Shows a folder in the system's file manager.
+pub(super) fn show_folder(folder: &Path) -> Result<(), JobError> {
+    let opener = if cfg!(target_os = "macos") {
+        "open"
+    } else if cfg!(windows) {
+        "explorer"
+    } else {
+        "xdg-open"
+    };
+    // Its output is no output of this program, and its result says little: Windows' is never zero.
+    let started = Command::new(opener)
+        .arg(folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    started.map_err(|source| JobError::NoFileManager {
+        opener,
+        folder: folder.to_path_buf(),
+        source,
+    })?;
     Ok(())
 }
 

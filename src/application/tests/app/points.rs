@@ -55,6 +55,27 @@ fn two_clicks_solve_a_frame_and_enter_accepts_it() {
 }
 
 #[test]
+fn escape_takes_a_stray_click_back_with_what_it_did_to_an_accepted_frame() {
+    let mut bench = Bench::new(document(2, true));
+    bench.place("centre_mark");
+    bench.place("centre_circle_halfway_far");
+    bench.command(Command::AcceptAndStay);
+    let accepted = bench.frame().clone();
+    assert_eq!(accepted.status, FrameStatus::Reference);
+    // The click lies on a landmark that the frame's camera projects, and names itself.
+    bench.click(bench.image_of("halfway_far"));
+    assert_eq!(bench.app.session.mode, Mode::Idle);
+    assert_eq!(bench.frame().status, FrameStatus::Draft);
+    bench.command(Command::Cancel);
+    let now = bench.frame();
+    assert_eq!((now.status, now.clicks.len()), (FrameStatus::Reference, 2));
+    assert_eq!(now.ptz, accepted.ptz);
+    // Nothing was placed since: the next press only lets go.
+    bench.command(Command::Cancel);
+    assert_eq!(bench.frame().clicks.len(), 2);
+}
+
+#[test]
 fn landmark_first_shows_the_field_while_the_pointer_moves() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");

@@ -104,10 +104,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     bench.command(Command::Accept);
     bench.command(Command::Accept);
     assert_eq!(bench.statuses(), "RRNRR");
-    assert_eq!(
-        bench.last_notice(),
-        "Accepted (not used for training), 1 to do."
-    );
+    assert_eq!(bench.last_notice(), "Accepted. 1 to do.");
     assert_eq!(
         bench.app.session.frame, 2,
         "what has no answer is to do as well"

@@ -1,9 +1,9 @@
 //! Every command of the palette: what changes the document is undone to the same bytes and redone
 //! to the same bytes, also after the window was closed or killed; the others leave it alone.
 
-mod documents;
+pub mod documents;
 mod meanwhile;
-mod scene;
+pub mod scene;
 mod table;
 
 use crate::bench::Bench;

@@ -132,7 +132,8 @@ impl Scene {
     /// Waits until no work is under way that the user waits for.
     pub fn wait_for_work(&mut self) {
         self.wait_until("the work", |app| {
-            app.operations.under_way().is_none() && app.operations.frame_snap.running().is_none()
+            app.operations.under_way().next().is_none()
+                && app.operations.frame_snap.running().is_none()
         });
     }
 

@@ -6,23 +6,31 @@ use super::options::{export_options, import_options};
 use super::parts::{cameras_of, fact, line, notes, show_left_out_frames};
 use crate::ui::Panel;
 use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
-use egui::{Align, Button, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
+use crate::ui::controls::theme::{Themed as _, section};
+use egui::{Align, Button, Id, Layout, RichText, ScrollArea, TextEdit, TextStyle, Ui, vec2};
 use touchline_application::app::transfer::{
-    PreviewResult, TransferAction, describe_survey, in_dialog,
+    FormatGroup, PreviewResult, TransferAction, describe_survey, formats_in, group_and_name,
+    in_dialog,
 };
 use touchline_application::app::{Action, sentence};
 use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::{Format, JoinedImport, JoinedPair};
 
+/// Number of formats that were used last and stand above the groups.
+const LAST_USED: usize = 3;
 /// Width of the list of formats, points.
 const LIST: f32 = 210.0;
+
+/// Distance up to which an export that is read again counts as exact, px. Text with six decimals is
+/// within it.
+const EXACT_PX: f64 = 0.01;
 
 /// Shows the page of exports.
 pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.operations.transfer.format;
+    let last = panel.app.settings.formats.clone();
     ui.horizontal_top(|ui| {
-        if let Some(format) = list(ui, chosen, Format::exports) {
+        if let Some(format) = list(ui, chosen, &last, Format::exports) {
             panel
                 .actions
                 .push(Action::Transfer(TransferAction::Format(format)));
@@ -53,7 +61,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
 pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.operations.transfer.import_format;
     ui.horizontal_top(|ui| {
-        if let Some(format) = list(ui, chosen, Format::imports) {
+        if let Some(format) = list(ui, chosen, &[], Format::imports) {
             panel
                 .actions
                 .push(Action::Transfer(TransferAction::ImportFormat(format)));
@@ -76,26 +84,62 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// Shows the list of formats. Returns the one that was clicked.
-fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format> {
+/// Shows the list of formats in groups, those that were used last first, with a field that finds
+/// one by a word. Returns the one that was clicked.
+fn list(ui: &mut Ui, chosen: Format, last: &[String], goes: fn(Format) -> bool) -> Option<Format> {
     let mut clicked = None;
     let column = vec2(LIST, ui.available_height());
     ui.allocate_ui_with_layout(column, Layout::top_down(Align::Min), |ui| {
+        // What is typed is lost with the dialog, so it is no state of the application.
+        let memory = Id::unique("typed format");
+        let mut typed: String = ui.data_mut(|data| data.get_temp(memory).unwrap_or_default());
+        let field = TextEdit::singleline(&mut typed).hint_text("Find a format");
+        ui.add(field.desired_width(LIST - 16.0))
+            .accessible_name("Find a format");
+        ui.data_mut(|data| data.insert_temp(memory, typed.clone()));
         ScrollArea::vertical()
             .id_salt("formats")
             .auto_shrink(false)
             .show(ui, |ui| {
-                for format in Format::all().filter(|format| goes(*format)) {
-                    let button = Button::selectable(format == chosen, format.name());
-                    let button = ui.add_sized(vec2(LIST - 16.0, 20.0), button.truncate());
-                    let title = sentence(format.about().title);
-                    if button.on_hover_text(title).clicked() && format != chosen {
-                        clicked = Some(format);
+                let mut group = |ui: &mut Ui, title: &str, formats: &[Format]| {
+                    if formats.is_empty() {
+                        return;
                     }
+                    section(ui, title);
+                    for &format in formats {
+                        if entry(ui, format, chosen) {
+                            clicked = Some(format);
+                        }
+                    }
+                };
+                let last: Vec<Format> = last
+                    .iter()
+                    .filter_map(|name| Format::all().find(|format| format.name() == name))
+                    .filter(|format| goes(*format) && typed.trim().is_empty())
+                    .take(LAST_USED)
+                    .collect();
+                group(ui, "Last used", &last);
+                for of in FormatGroup::ALL {
+                    let formats = formats_in(of, &typed, goes);
+                    group(ui, of.title(), &formats);
                 }
             });
     });
     clicked
+}
+
+/// Shows a format of the list. Returns whether it was chosen now.
+fn entry(ui: &mut Ui, format: Format, chosen: Format) -> bool {
+    let is_chosen = format == chosen;
+    let size = vec2(LIST - 16.0, 20.0);
+    let left = Layout::left_to_right(Align::Center).with_main_justify(true);
+    let button = Button::selectable(is_chosen, group_and_name(format).1).truncate();
+    let entry = ui.allocate_ui_with_layout(size, left.with_main_align(Align::Min), |ui| {
+        ui.add(button.min_size(size))
+    });
+    let about = sentence(format.about().title);
+    let clicked = entry.inner.on_hover_text(about).clicked();
+    clicked && !is_chosen
 }
 
 /// Describes a format: conventions, programs that read it, what it cannot express.
@@ -106,7 +150,7 @@ fn about(ui: &mut Ui, format: Format) {
     fact(ui, "Conventions", &in_dialog(about.conventions));
     fact(ui, "Who reads it", &in_dialog(about.users));
     if let Some(loses) = about.loses {
-        fact(ui, "Does not hold", loses);
+        fact(ui, "Leaves out", loses);
     }
 }
 
@@ -124,20 +168,19 @@ fn show_export_preview(panel: &Panel<'_>, ui: &mut Ui) {
                 1 => "one file".to_owned(),
                 count => format!("{count} files"),
             };
-            // The export has been read back and compared. A difference of exactly 0 would read as
-            // "0e0", hence the lower limit.
-            let proof = if made.format.is_proved() {
-                format!(
-                    " Read again, everything is within {:.0e} px.",
-                    made.worst_px.max(1e-12)
-                )
-            } else {
-                String::new()
-            };
-            line(ui, format!("{frames} in {files}.{proof}"), palette.strong);
+            line(ui, format!("{frames} in {files}."), palette.strong);
+            // One statement about what is lost: the stated loss, or what was found on reading the
+            // export again.
             match &made.loss {
                 Some(loss) => line(ui, sentence(&loss.to_string()), palette.caution),
-                None => line(ui, "Nothing that can be measured is lost.", palette.good),
+                None if !made.format.is_proved() => {}
+                None if made.worst_px < EXACT_PX => {
+                    line(ui, "Checked: reads back exactly.", palette.good);
+                }
+                None => {
+                    let off = format!("Checked: reads back within {:.1} px.", made.worst_px);
+                    line(ui, off, palette.caution);
+                }
             }
             notes(ui, &made.notes);
             show_left_out_frames(ui, &made.left_out);

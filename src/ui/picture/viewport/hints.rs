@@ -55,8 +55,12 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         ));
     }
     if session.picture.held.compare {
+        let current = panel.app.current();
+        let is_imported = current.other_names().is_none() && current.other_root().is_none();
         let shown = if has_proposal(panel) {
             "The current base"
+        } else if is_imported {
+            "Dashed: as imported"
         } else {
             "The other solution"
         };

@@ -10,8 +10,8 @@ use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::drawing::pictures::WHOLE;
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
-    WidgetInfo, pos2, vec2,
+    Align2, Color32, CornerRadius, FontId, Id, Rect, RectAlign, Response, Role, Sense, Stroke,
+    StrokeKind, Tooltip, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::review::percent;
 use touchline_application::app::selection::Selecting;
@@ -101,7 +101,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
         panel.go_to(index);
     }
     response.context_menu(|ui| context_menu(panel, ui));
-    tooltip(response, index, frame, app.paint_says(index));
+    tooltip(&response, index, frame, app.paint_says(index));
 }
 
 /// The commands for the frame, or for all selected frames.
@@ -303,15 +303,19 @@ fn fit_within(size: egui::Vec2, within: Rect) -> Rect {
 }
 
 /// Describes a frame: name, number, status, confidence, line check, time, warnings, comment.
-fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<LineCheckSummary>) {
-    response.on_hover_ui(|ui| {
+/// It stands above the frame: below it are the messages.
+fn tooltip(response: &Response, index: usize, frame: &Frame, paint: Option<LineCheckSummary>) {
+    let mut tooltip = Tooltip::for_enabled(response);
+    tooltip.popup = tooltip.popup.align(RectAlign::TOP_START);
+    tooltip.show(|ui| {
         ui.label(egui::RichText::new(file_name(&frame.name())).color(ui.palette().strong));
         let reason = frame
             .reason
             .map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
         ui.label(format!(
-            "Frame {} · {}{}",
+            "Frame {} · {}: {}{}",
             frame.number_at(index),
+            theme::status_letter(frame.status),
             status_label(frame.status),
             reason.unwrap_or_default()
         ));

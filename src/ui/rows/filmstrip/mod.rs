@@ -71,7 +71,10 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     shown
         .response
         .accessible_name("Frames shown")
-        .on_hover_text("Which frames the filmstrip shows.");
+        .on_hover_text(
+            "Which frames the filmstrip shows. The letters below them: N new, D draft with points, \
+             S suggested, R accepted as a reference, X not calibratable.",
+        );
     // How far the work is.
     let references = counts.count_with_status(FrameStatus::Reference);
     ui.label(RichText::new(pluralise(references, "reference")).small())

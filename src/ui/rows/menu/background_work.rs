@@ -69,7 +69,6 @@ pub(super) fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     trainer(panel, ui);
     shot_search(panel, ui);
-    writing(panel, ui);
     // The counts are those of the previous frame of the window: this one has not laid out its
     // lists yet.
     let thumbnails = panel.pictures.thumbnails_in_view();
@@ -95,26 +94,6 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
     if says.on_hover_text(tip).clicked() {
         panel.actions.push(Action::Command(Command::StopShotSearch));
-    }
-}
-
-/// Shows how far an export is; a click shows its dialog, in which it can be stopped.
-fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(running) = panel.app.operations.transfer.writing() else {
-        return;
-    };
-    // Rounded down, so that 100 % is never shown while something is still to be written.
-    let far = running
-        .progress()
-        .map(|far| format!(" {:.0} %", (100.0 * far.fraction()).floor()))
-        .unwrap_or_default();
-    let weak = ui.palette().weak;
-    let says = work_button(ui, format!("export{far}"), weak);
-    if says
-        .on_hover_text("An export is being written. Click to show it.")
-        .clicked()
-    {
-        panel.actions.push(Action::Command(Command::Export));
     }
 }
 

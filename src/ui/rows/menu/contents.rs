@@ -27,7 +27,13 @@ pub(super) const RECENT_BELOW: Command = Command::OpenQueue;
 const SUBMENUS: [(&str, &[Command]); 13] = [
     (
         "Open other",
-        &[Command::OpenDemo, Command::AddNewImages, Command::Orphans],
+        &[
+            Command::OpenDemo,
+            Command::AddNewImages,
+            Command::Orphans,
+            Command::StopExport,
+            Command::ShowExported,
+        ],
     ),
     (
         "Points",

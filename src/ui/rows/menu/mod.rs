@@ -180,6 +180,7 @@ pub fn is_on(app: &App, command: Command) -> bool {
         Command::CheckTool => app.session.picture.tool == Tool::Check,
         Command::ShowMasks => app.session.picture.tool == Tool::Mask,
         Command::ShowFieldMap => app.settings.field_map,
+        Command::ShowCurves => app.settings.curves,
         Command::SnapPoints => app.settings.snap_points,
         Command::BaseOnPaint => app.settings.base_on_paint,
         Command::SnapSuggestions => app.settings.snap_suggestions,

@@ -10,7 +10,7 @@ mod words;
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::{Dialog, Level};
-use crate::app::{App, Command};
+use crate::app::{App, Command, sentence};
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
@@ -19,6 +19,7 @@ use touchline_calibration::autocalibrate::{
 use touchline_calibration::calibrate::{AutocalibratedCamera, BulkChange, FoundCamera};
 use touchline_calibration::pipelines::MatchOptions;
 use touchline_calibration::proposals::read_picture;
+use touchline_core::field::builtin;
 use touchline_documents::document::{CameraId, Document, FrameId, Step, Target};
 pub use two_cameras::{DecidingClick, TwoCameras};
 pub use words::describe_found;
@@ -27,6 +28,9 @@ use words::{clicks_that_help, describe_abstention};
 /// Minimum number of frames. Fewer hardly separate what is painted on the ground from what moves
 /// over it.
 const MIN_FRAMES: usize = 3;
+
+/// Number of landmarks in one frame with which the search begins, in place of trying all positions.
+const CLICKS_TO_BEGIN: usize = 2;
 
 /// Finds the base of a camera from the pictures of its frames.
 #[derive(Debug)]
@@ -149,6 +153,22 @@ impl CameraSearch {
     }
 }
 
+/// Why the search does not know a camera's sport. None for soccer, for a template of the user's
+/// own, and for any sport once two landmarks are clicked, from which the search then begins.
+fn why_no_search_of_sport(document: &Document, camera: &CameraId) -> Option<&'static str> {
+    let template = &document.field_of_camera(camera).template;
+    if template == "soccer" || builtin(template).is_err() {
+        return None;
+    }
+    let mut frames = document.frames.iter();
+    let is_clicked =
+        frames.any(|frame| frame.camera == *camera && frame.landmark_clicks() >= CLICKS_TO_BEGIN);
+    (!is_clicked).then_some(
+        "Without a click only soccer fields are found. Click 2 landmarks far from each other in \
+         one frame, then look; or 4 in 3 frames.",
+    )
+}
+
 impl App {
     /// The camera that was found last, or of two the one that explains more paint.
     #[must_use]
@@ -189,6 +209,9 @@ impl App {
         }
         if self.current.base.is_some() {
             return Some("This camera has a base already.");
+        }
+        if let Some(why) = why_no_search_of_sport(&open.document, camera) {
+            return Some(why);
         }
         let few = open
             .document
@@ -305,16 +328,15 @@ impl CameraSearchState {
     #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         let progress = self.slot.running()?.progress();
-        let far = progress
-            .map(|progress| format!(": {progress}"))
-            .unwrap_or_default();
-        let text = format!("Finding the camera{far}…");
+        let step = progress.map_or_else(|| "Opening the pictures".to_owned(), ToString::to_string);
         let share = progress.map(|progress| progress.share_of_step() as f32);
-        Some(UnderWay {
-            text,
-            share,
-            stop: Command::StopFindCamera,
-        })
+        let job = "Finding the camera";
+        Some(UnderWay::new(job, sentence(&step), Command::StopFindCamera).with_share(share))
+    }
+
+    /// Whether a search is running.
+    pub(super) const fn is_running(&self) -> bool {
+        self.slot.is_running()
     }
 
     /// The inputs of the running search.

@@ -22,8 +22,8 @@ pub fn describe_found(found: &AutocalibratedCamera) -> String {
         .pixel_aspect
         .map_or_else(String::new, |aspect| format!(" But {aspect}."));
     format!(
-        "Camera found: {}, known to ±{:.1} m. {aligned} of {frames} frames agree with their own painted \
-         lines; look at some before you accept them.{assumed}{pixels}",
+        "Camera found: {}, known to ±{:.1} m. {aligned} of {frames} frames match their painted \
+         lines. Check a few, then accept.{assumed}{pixels}",
         describe_place(found),
         sigma.norm()
     )

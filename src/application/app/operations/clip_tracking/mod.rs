@@ -19,10 +19,10 @@ use crate::app::{App, Command};
 use std::sync::Arc;
 use touchline_calibration::calibrate::{ClipEvidence, LengthOnLines};
 use touchline_calibration::proposals::BatchId;
-use touchline_documents::document::{Document, FrameId};
+use touchline_documents::document::{Document, Frame, FrameId};
 use tracking::Cause;
 pub use tracking::ClipTracking;
-pub(super) use words::describe_progress;
+pub(super) use words::{describe_progress, share_of};
 
 /// The name of the step of undo of a refined base, to which the cameras that are tracked with it
 /// belong, too.
@@ -48,17 +48,24 @@ struct LastTracking {
 }
 
 impl ClipTrackingState {
+    /// The frame from whose shot cameras are being tracked.
+    pub(super) fn tracked_frame(&self) -> Option<&Frame> {
+        let tracking = self.slot.running()?.operation();
+        tracking
+            .document
+            .frames
+            .get(tracking.frame)
+            .map(|frame| &**frame)
+    }
+
     /// The running tracking with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let text = match self.slot.running()?.progress() {
-            None => "Tracking cameras through the shot…".to_owned(),
-            Some(progress) => describe_progress(progress),
-        };
-        Some(UnderWay {
-            text,
-            share: None,
-            stop: Command::StopTracking,
-        })
+        let progress = self.slot.running()?.progress();
+        let step = progress.map_or_else(|| "Opening the pictures".to_owned(), describe_progress);
+        let job = "Tracking cameras through the shot";
+        Some(
+            UnderWay::new(job, step, Command::StopTracking).with_share(progress.and_then(share_of)),
+        )
     }
 }
 

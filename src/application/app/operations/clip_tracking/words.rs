@@ -6,11 +6,21 @@ use touchline_core::geometry::pluralise;
 /// The progress of a tracking, as text.
 pub(in crate::app::operations) fn describe_progress(progress: &ClipProgress) -> String {
     match progress {
-        ClipProgress::Following(done, of) => format!("Following points: frame {done} of {of}…"),
+        ClipProgress::Following(done, of) => format!("Following points: frame {done} of {of}"),
         ClipProgress::Painting(done, of) => {
-            format!("Looking at painted lines: {done} of {of} frames…")
+            format!("Looking at painted lines: {done} of {of} frames")
         }
-        ClipProgress::Adjusting => "Adjusting all frames of the shot together…".to_owned(),
+        ClipProgress::Adjusting => "Adjusting all frames of the shot together".to_owned(),
+    }
+}
+
+/// The share of a tracking's present step that is done, 0 to 1; none if it is unknown.
+pub(in crate::app::operations) fn share_of(progress: &ClipProgress) -> Option<f32> {
+    match progress {
+        ClipProgress::Following(done, of) | ClipProgress::Painting(done, of) => {
+            Some(*done as f32 / (*of).max(1) as f32)
+        }
+        ClipProgress::Adjusting => None,
     }
 }
 

@@ -1,19 +1,19 @@
 //! The work of a line check: a few frames are read, and each camera is compared with the painted
 //! lines of its own picture. A batch is small, so that an edit in between soon has its effect.
 
+use super::offsets::{LineOffset, line_offsets};
 use crate::app::App;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::window_state::session::Level;
 use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
-use touchline_calibration::calibrate::check_frame;
 use touchline_calibration::proposals::{FramePicture, PictureStream};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FrameId};
-use touchline_vision::paint::LineCheck;
+use touchline_vision::paint::{GroundPicture, LineCheck, check_lines};
 
 /// Compares the cameras of a few frames with the painted lines.
 pub struct LineCheckBatch {
@@ -39,6 +39,8 @@ pub struct CheckedLines {
     pub(super) camera: PtzCamera,
     /// The result; none if the picture cannot be read.
     pub(super) check: Option<LineCheck>,
+    /// How far the paint lies from the drawn lines.
+    pub(super) offsets: Vec<LineOffset>,
 }
 
 impl Operation for LineCheckBatch {
@@ -58,12 +60,20 @@ impl Operation for LineCheckBatch {
         // The stream gives one item for each index, in their order, so that the two fit.
         for (to_check, FramePicture { frame, picture, .. }) in self.frames.iter().zip(pictures) {
             let field = &to_check.field;
-            let seen = picture.ok();
-            let check = seen.and_then(|picture| check_frame(at.document, frame, field, &picture));
+            let ground = picture
+                .ok()
+                .map(|picture| GroundPicture::new(&picture, &at.document.masks_of(frame)));
+            let check = ground
+                .as_ref()
+                .map(|ground| check_lines(ground, field, &to_check.camera));
+            let offsets = ground
+                .filter(|_| check.is_some_and(|check| check.can_say()))
+                .map(|ground| line_offsets(&ground, field, &to_check.camera));
             checked.push(CheckedLines {
                 frame: to_check.frame.clone(),
                 camera: to_check.camera,
                 check,
+                offsets: offsets.unwrap_or_default(),
             });
         }
         Ok(checked)
@@ -86,6 +96,7 @@ impl Operation for LineCheckBatch {
                 frame: frame.clone(),
                 camera: *camera,
                 check: None,
+                offsets: Vec::new(),
             });
         }
         let ids: Vec<FrameId> = found.iter().map(|checked| checked.frame.clone()).collect();

@@ -2,6 +2,7 @@
 //! and the field with which they were made.
 
 use super::batch::{CheckedLines, FrameToCheck, LineCheckBatch};
+use super::offsets::{BESIDE_PX, LineOffset};
 use super::summary::LineCheckSummary;
 use crate::app::OpenProject;
 use crate::app::operation::Slot;
@@ -65,10 +66,21 @@ impl LineChecks {
         // Where lines contradict every camera they may be those of another sport. A warning of the
         // camera's own is evidence of another kind.
         let verdict = match says.verdict {
+            // On the whole the paint is there, but one line lies beside it.
+            LineVerdict::Supports if self.line_beside_paint(open, frame).is_some() => {
+                LineVerdict::CannotSay
+            }
             verdict if self.is_informative() || is_warned(frame) => verdict,
             _ => LineVerdict::CannotSay,
         };
-        Some(LineCheckSummary { verdict, ..says })
+        // One number everywhere: the line that is farthest from its paint, where lines are known.
+        let farthest = self.offsets(open, frame).and_then(<[LineOffset]>::first);
+        let offset_px = farthest.map_or(says.offset_px, |line| Some(line.offset_px.abs()));
+        Some(LineCheckSummary {
+            verdict,
+            offset_px,
+            ..says
+        })
     }
 
     /// What the paint of a frame's own picture says, whatever is found in the other frames.
@@ -99,6 +111,25 @@ impl LineChecks {
         (Some(known.camera) == open.document.ptz_camera(frame))
             .then_some(known.check)
             .flatten()
+    }
+
+    /// How far the paint lies from the lines of a frame's present camera, if that is known.
+    pub(super) fn offsets(&self, open: &OpenProject, frame: &Frame) -> Option<&[LineOffset]> {
+        let known = self.known.get(&frame.id)?;
+        let is_present = Some(known.camera) == open.document.ptz_camera(frame);
+        is_present.then_some(&known.offsets)
+    }
+
+    /// The line of a frame's present camera that lies farthest beside its paint, if it does by
+    /// [`BESIDE_PX`] or more.
+    pub(super) fn line_beside_paint(
+        &self,
+        open: &OpenProject,
+        frame: &Frame,
+    ) -> Option<&LineOffset> {
+        let limit_px = BESIDE_PX * frame.image_size.scale_from_1920();
+        let farthest = self.offsets(open, frame)?.first()?;
+        (farthest.offset_px.abs() >= limit_px).then_some(farthest)
     }
 
     /// Forgets all checks, and the running one, if the document's fields have changed: what lies on
@@ -150,7 +181,7 @@ impl LineChecks {
         selected: &BTreeSet<usize>,
     ) -> Vec<FrameToCheck> {
         let count = open.document.frames.len();
-        let mut wanted: Vec<FrameToCheck> = self.lacking(open, shown).into_iter().collect();
+        let mut wanted: Vec<FrameToCheck> = self.lacking(open, shown, true).into_iter().collect();
         if wanted.is_empty() {
             wanted = self.next_selected(open, selected);
         }
@@ -158,7 +189,7 @@ impl LineChecks {
         if wanted.is_empty() {
             for _ in 0..LOOKED_THROUGH.min(count) {
                 self.cursor = (self.cursor + 1) % count;
-                wanted.extend(self.lacking(open, self.cursor));
+                wanted.extend(self.lacking(open, self.cursor, false));
                 if wanted.len() == BATCH {
                     break;
                 }
@@ -176,20 +207,26 @@ impl LineChecks {
         selected
             .iter()
             .take(SELECTED_LOOKED_THROUGH)
-            .filter_map(|place| self.lacking(open, *place))
+            .filter_map(|place| self.lacking(open, *place, false))
             .take(BATCH)
             .collect()
     }
 
     /// The inputs of a frame's check, if the frame has a camera and lacks a check of it. None while
     /// its field is not valid, which may end: the user's own templates are read in the background.
-    fn lacking(&self, open: &mut OpenProject, index: usize) -> Option<FrameToCheck> {
+    /// The shown frame is checked even if its document records a check, which has no single lines.
+    fn lacking(
+        &self,
+        open: &mut OpenProject,
+        index: usize,
+        is_shown: bool,
+    ) -> Option<FrameToCheck> {
         let frame = open.frame(index)?;
         let recorded = frame
             .solution
             .as_ref()
             .is_some_and(|solution| solution.line_check.is_some());
-        if frame.status == FrameStatus::Rejected || recorded {
+        if frame.status == FrameStatus::Rejected || recorded && !is_shown {
             return None;
         }
         let camera = open.document.ptz_camera(frame)?;

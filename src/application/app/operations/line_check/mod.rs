@@ -5,11 +5,13 @@
 mod acceptance;
 mod batch;
 mod checks;
+mod offsets;
 mod summary;
 
 use crate::app::App;
 use batch::LineCheckBatch;
 pub(in crate::app) use checks::LineChecks;
+pub use offsets::{BESIDE_PX, LineOffset};
 pub use summary::LineCheckSummary;
 use touchline_core::markings::LineVerdict;
 
@@ -40,6 +42,29 @@ impl App {
         let open = self.open.as_ref()?;
         let frame = open.frame(frame)?;
         self.operations.line_checks.picture_result(open, frame)
+    }
+
+    /// How far the paint lies from the lines that a frame's camera draws, farthest first. Empty if
+    /// that is not known.
+    #[must_use]
+    pub fn line_offsets(&self, frame: usize) -> &[LineOffset] {
+        let open = self.open.as_ref();
+        open.and_then(|open| {
+            self.operations
+                .line_checks
+                .offsets(open, open.frame(frame)?)
+        })
+        .unwrap_or_default()
+    }
+
+    /// The line that lies beside its paint by [`BESIDE_PX`] or more, if a frame's camera has one;
+    /// the farthest of them.
+    #[must_use]
+    pub fn line_beside_paint(&self, frame: usize) -> Option<&LineOffset> {
+        let open = self.open.as_ref()?;
+        self.operations
+            .line_checks
+            .line_beside_paint(open, open.frame(frame)?)
     }
 
     /// Starts the next batch of checks, if any frame lacks one and no step of undo is open. A
@@ -105,6 +130,7 @@ mod tests {
             frame,
             camera: camera(),
             check: Some(check),
+            offsets: Vec::new(),
         }
     }
 

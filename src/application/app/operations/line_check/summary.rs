@@ -49,22 +49,34 @@ impl LineCheckSummary {
         }
     }
 
-    /// One line: "on the painted lines (0.8 px at 212 of 230 open places)".
+    /// The share of the open places at which paint was found, as text: "97 %".
+    fn share_found(&self) -> String {
+        format!(
+            "{:.0} %",
+            100.0 * self.found as f64 / self.open.max(1) as f64
+        )
+    }
+
+    /// One line: "on the painted lines: 0.7 px off, 97 % of the visible paint found".
     #[must_use]
     pub fn describe(&self) -> String {
-        let Self { found, open, .. } = self;
+        let found = self.share_found();
         match (self.verdict, self.offset_px) {
             (LineVerdict::Supports, Some(px)) => {
-                format!("on the painted lines ({px:.1} px at {found} of {open} open places)")
+                format!("on the painted lines: {px:.1} px off, {found} of the visible paint found")
             }
             (LineVerdict::Supports, None) => {
-                format!("on the painted lines ({found} of {open} open places)")
+                format!("on the painted lines: {found} of the visible paint found")
             }
             (LineVerdict::Contradicts, _) => {
-                format!("the painted lines are elsewhere (paint at {found} of {open} open places)")
+                format!("the paint contradicts this camera ({found} found where it expects paint)")
             }
-            (LineVerdict::CannotSay, _) => {
-                format!("the painted lines do not decide (paint at {found} of {open} open places)")
+            (LineVerdict::CannotSay, Some(px)) => format!(
+                "the paint neither supports nor contradicts this camera ({found} found, {px:.0} px \
+                 off)"
+            ),
+            (LineVerdict::CannotSay, None) => {
+                format!("the paint neither supports nor contradicts this camera ({found} found)")
             }
         }
     }

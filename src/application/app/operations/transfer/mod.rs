@@ -5,17 +5,19 @@
 //! and changes nothing. A [`TransferWrite`] writes. A newer look replaces an older one. A write is
 //! never replaced, and no look starts while it runs.
 
+mod format_groups;
 mod look;
 mod words;
 mod write;
 
+pub use format_groups::{FormatGroup, formats_in, group_and_name};
 pub use look::{ImportPreview, PreviewResult, RevisionPreview, TransferPreview};
 pub use words::{describe_bytes, describe_survey, in_dialog};
-pub use write::TransferWrite;
+pub use write::{TransferWrite, Written};
 
 use crate::app::effect::Effect;
 use crate::app::operation::{Running, Slot};
-use crate::app::operations::ForeignLabels;
+use crate::app::operations::{ForeignLabels, UnderWay};
 use crate::app::window_state::session::{Dialog, Level};
 use crate::app::{App, Command, Question};
 use look::PreviewSubject;
@@ -48,6 +50,8 @@ pub struct TransferState {
     pub tab: TransferTab,
     /// The format of the export.
     pub format: Format,
+    /// Whether the user has chosen it, or an import of this project has.
+    is_chosen: bool,
     /// The options of the export.
     pub export: ExportOptions,
     /// The options of the dataset.
@@ -58,6 +62,8 @@ pub struct TransferState {
     pub import_format: Format,
     /// The options of the import.
     pub import: ImportOptions,
+    /// The folder of the last export or dataset that was written.
+    pub written_to: Option<PathBuf>,
     /// The result of the last look.
     pub found: Option<RevisionPreview>,
     look: Slot<TransferPreview>,
@@ -69,6 +75,7 @@ impl Default for TransferState {
         Self {
             tab: TransferTab::default(),
             format: Format::Json,
+            is_chosen: false,
             export: ExportOptions {
                 frames: FrameChoice::reviewed_frames(),
                 ..ExportOptions::default()
@@ -77,6 +84,7 @@ impl Default for TransferState {
             replace: false,
             import_format: Format::SoccerNet,
             import: ImportOptions::default(),
+            written_to: None,
             found: None,
             look: Slot::default(),
             write: Slot::default(),
@@ -89,6 +97,17 @@ impl TransferState {
     #[must_use]
     pub const fn is_looking(&self) -> bool {
         self.look.is_running()
+    }
+
+    /// The running write with its progress, for its card.
+    pub(super) fn under_way(&self) -> Option<UnderWay> {
+        let running = self.write.running()?;
+        let progress = running.progress();
+        let step = progress.map_or_else(String::new, |written| {
+            format!("{} of {} pictures", written.done, written.of)
+        });
+        let share = progress.map(|progress| progress.fraction());
+        Some(UnderWay::new("Writing the export", step, Command::StopExport).with_share(share))
     }
 
     /// The running write.
@@ -130,8 +149,15 @@ impl App {
     pub(in crate::app) fn open_transfer(&mut self, tab: TransferTab) {
         self.commit_open_step();
         self.session.dialog = Some(Dialog::Transfer);
-        if !self.operations.transfer.write.is_running() {
-            self.operations.transfer.tab = tab;
+        let transfer = &mut self.operations.transfer;
+        if !transfer.write.is_running() {
+            transfer.tab = tab;
+            // The format that was used last, in this project or another.
+            let last = self.settings.formats.first();
+            let last = last.and_then(|name| Format::all().find(|of| of.name() == name));
+            if let Some(last) = last.filter(|_| !transfer.is_chosen) {
+                transfer.format = last;
+            }
         }
         self.look_again();
     }
@@ -141,7 +167,9 @@ impl App {
         let transfer = &mut self.operations.transfer;
         match action {
             TransferAction::Tab(tab) => transfer.tab = tab,
-            TransferAction::Format(format) => transfer.format = format,
+            TransferAction::Format(format) => {
+                (transfer.format, transfer.is_chosen) = (format, true);
+            }
             TransferAction::Export(options) => transfer.export = *options,
             TransferAction::Dataset(options) => transfer.dataset = *options,
             TransferAction::Replace(replace) => {
@@ -289,7 +317,29 @@ impl App {
         });
     }
 
-    fn stop_transfer(&mut self) {
+    /// Why the folder of the last export cannot be shown. None if it can.
+    pub(in crate::app) fn why_not_show_exported(&self) -> Option<&'static str> {
+        let written_to = &self.operations.transfer.written_to;
+        written_to
+            .is_none()
+            .then_some("Nothing was exported since the project was opened.")
+    }
+
+    /// Shows the folder of the last export in the system's file manager.
+    pub(in crate::app) fn show_exported(&mut self) {
+        if let Some(folder) = self.operations.transfer.written_to.clone() {
+            self.effects.push(Effect::ShowFolder(folder));
+        }
+    }
+
+    /// Why there is no export to stop. None if there is.
+    pub(in crate::app) fn why_not_stop_export(&self) -> Option<&'static str> {
+        let writing = self.operations.transfer.writing();
+        writing.is_none().then_some("No export is being written.")
+    }
+
+    /// Stops the look and the writing; nothing is written.
+    pub(in crate::app) fn stop_transfer(&mut self) {
         let transfer = &mut self.operations.transfer;
         // Without short-circuit: both are to be cancelled.
         if transfer.look.cancel() | transfer.write.cancel() {
@@ -347,6 +397,7 @@ impl App {
         let joined = &look.joined;
         if look.format.exports() {
             self.operations.transfer.format = look.format;
+            self.operations.transfer.is_chosen = true;
         }
         let attachment = joined.attachment.as_ref().ok().and_then(Option::as_ref);
         let options = attachment.map(|attachment| MendOptions {

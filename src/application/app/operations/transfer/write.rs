@@ -1,9 +1,10 @@
 //! Writes an export or a dataset.
 
 use super::words::describe_error;
+use crate::app::effect::Effect;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::window_state::session::{Dialog, Level};
-use crate::app::{App, sentence};
+use crate::app::{App, Command, sentence};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use touchline_core::geometry::pluralise;
@@ -21,6 +22,15 @@ pub struct TransferWrite {
     /// The folder to which its relative paths refer.
     pub(super) folder: PathBuf,
     pub(super) writing: Writing,
+}
+
+/// What was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// The message to the user.
+    pub says: String,
+    /// The file or folder.
+    pub to: PathBuf,
 }
 
 /// The subject of a write.
@@ -48,13 +58,12 @@ pub(super) enum Writing {
 impl Operation for TransferWrite {
     /// Pictures of a dataset that have been written.
     type Progress = Share;
-    /// The message to the user.
-    type Output = String;
+    type Output = Written;
     type Error = ExchangeError;
 
     const NAME: &'static str = "export";
 
-    fn run(&self, context: &Context<'_, Share>) -> Result<String, ExchangeError> {
+    fn run(&self, context: &Context<'_, Share>) -> Result<Written, ExchangeError> {
         match &self.writing {
             Writing::Export {
                 format,
@@ -77,11 +86,9 @@ impl Operation for TransferWrite {
                     return Err(ExchangeError::Stopped);
                 }
                 exported.write(&to, *replace && !exported.is_folder())?;
-                Ok(format!(
-                    "{} written as {format}: {}",
-                    pluralise(exported.frames, "frame"),
-                    to.display()
-                ))
+                let frames = pluralise(exported.frames, "frame");
+                let says = format!("{frames} written as {format}: {}", to.display());
+                Ok(Written { says, to })
             }
             Writing::Dataset {
                 plan,
@@ -104,7 +111,8 @@ impl Operation for TransferWrite {
                     *replace,
                     &context.progress(),
                 )?;
-                Ok(describe_dataset(&done, &to))
+                let says = describe_dataset(&done, &to);
+                Ok(Written { says, to })
             }
         }
     }
@@ -113,14 +121,22 @@ impl Operation for TransferWrite {
         &mut app.operations.transfer.write
     }
 
-    fn take_over(&self, app: &mut App, result: Result<String, Failure<ExchangeError>>) {
+    fn take_over(&self, app: &mut App, result: Result<Written, Failure<ExchangeError>>) {
         match result {
-            Ok(text) => {
+            Ok(Written { says, to }) => {
+                let folder = if to.is_dir() { Some(&*to) } else { to.parent() };
+                app.operations.transfer.written_to = folder.map(Path::to_path_buf);
+                if let Writing::Export { format, .. } = &self.writing {
+                    app.settings.remember_format(*format);
+                    app.effects.push(Effect::SaveSettings);
+                }
                 if app.session.dialog == Some(Dialog::Transfer) {
                     app.session.dialog = None;
                 }
-                app.session.notify(Level::Info, text);
+                // The result comes last, so that it is the message in the row.
                 app.tell_assumed_size();
+                let offers = [("Open folder", Command::ShowExported)];
+                app.session.notify_with(Level::Info, says, offers);
             }
             Err(Failure::Failed(error)) => app.session.notify(Level::Error, describe_error(&error)),
             Err(failure) => app

@@ -59,6 +59,8 @@ pub struct Current {
     pub disputed: Vec<usize>,
     /// Another camera of the document that fits the clicks, if the frame's own does not.
     pub better_camera: Option<BetterCamera>,
+    /// The camera that another program gave for the frame, if mending replaced it.
+    pub as_imported: Option<PtzCamera>,
     /// The disagreement with the neighbouring frames, if it exceeds the limit of [`disagrees`].
     pub off_neighbours: Option<Disagreement>,
     /// The data available for an estimate of the camera's base.
@@ -231,6 +233,7 @@ impl Current {
             disputed.sort_unstable();
             disputed.dedup();
         }
+        let as_imported = camera_as_imported(frame, base.as_ref());
         let field = Some(field);
         Self {
             field,
@@ -243,6 +246,7 @@ impl Current {
             by_hand,
             disputed,
             better_camera,
+            as_imported,
             off_neighbours,
             readiness,
             ..Self::default()
@@ -314,14 +318,15 @@ impl Current {
         self.click_solution()?.identity.as_ref()
     }
 
-    /// The camera for comparison: from other names, or with the other focal length.
+    /// The camera for comparison: from other names, with the other focal length, or as it was
+    /// imported.
     #[must_use]
     pub fn alternative(&self) -> Option<PtzCamera> {
-        let ptz = self
-            .other_names()
-            .map(|found| found.ptz)
-            .or_else(|| self.other_root())?;
-        Some(PtzCamera::new(self.base?, ptz))
+        let other = self.other_names().map(|found| found.ptz);
+        match other.or_else(|| self.other_root()) {
+            Some(ptz) => Some(PtzCamera::new(self.base?, ptz)),
+            None => self.as_imported,
+        }
     }
 
     /// The second solution of a two-point solve, if there is one and it is plausible.
@@ -333,6 +338,14 @@ impl Current {
             .filter(|other| other.plausible)
             .map(|other| other.ptz)
     }
+}
+
+/// The camera that a frame was imported with, on a lens like that of its present base; none if the
+/// frame has no record of it.
+fn camera_as_imported(frame: &Frame, base: Option<&CameraBase>) -> Option<PtzCamera> {
+    let imported = frame.solution.as_ref()?.imported.as_ref()?;
+    let (base, ptz) = imported.on_base_of(base?);
+    Some(PtzCamera::new(base, ptz))
 }
 
 /// The verdict on a camera that is aligned to painted lines. The alignment has been checked against

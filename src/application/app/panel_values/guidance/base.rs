@@ -4,13 +4,14 @@
 use super::Guidance;
 use crate::app::{App, Command};
 use touchline_calibration::calibrate::{LANDMARKS_ALONE, points_alone};
-use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Frame, FrameStatus};
 
 /// A base is being estimated, or waits for the user's decision.
 pub(super) fn guide_base_estimate(app: &App) -> Option<Guidance> {
-    if let Some(under_way) = app.operations.base_under_way() {
-        return Some(Guidance::say(under_way.text).with_button("Stop", under_way.stop));
+    if app.operations.is_estimating_base() {
+        return Some(Guidance::say(
+            "The base is being estimated; its lines are shown before it is used.",
+        ));
     }
     app.operations.proposed_base()?;
     let proposal = app.current().proposal.as_ref();
@@ -37,73 +38,47 @@ pub(super) fn guide_base_estimate(app: &App) -> Option<Guidance> {
     }))
 }
 
-/// The camera has no base: what is needed for it.
+/// The camera has no base: what this frame can add to it. The card in the side panel says what is
+/// missing as a whole, and has the buttons.
 pub(super) fn guide_without_base(app: &App, frame: &Frame) -> Option<Guidance> {
     if app.current().base.is_some() || frame.status == FrameStatus::Rejected {
         return None;
     }
-    let ready = app.base_readiness();
-    if ready.is_enough() {
-        let text = format!(
-            "{} are enough to estimate the base. More frames improve it.",
-            pluralise(ready.wide, "frame")
-        );
-        return Some(
-            Guidance::say(text).with_button("Estimate the base now", Command::EstimateBase),
-        );
+    if app.base_readiness().is_enough() {
+        let text = "These frames are enough to estimate the base. More frames improve it.";
+        return Some(Guidance::say(text));
     }
     // What the points of this frame lack: a few more, nothing, or all of them.
     let here = points_alone(frame);
-    let text = match LANDMARKS_ALONE.saturating_sub(here) {
-        missing @ 1..LANDMARKS_ALONE => {
-            format!(
-                "{here} of {LANDMARKS_ALONE} landmarks or lines here; {missing} more, spread over the picture. {}",
-                ready.describe()
-            )
-        }
-        0 => format!(
-            "This frame has enough points. Now one that looks elsewhere. {}",
-            ready.describe()
+    Some(Guidance::say(match LANDMARKS_ALONE.saturating_sub(here) {
+        missing @ 1..LANDMARKS_ALONE => format!(
+            "{here} of {LANDMARKS_ALONE} landmarks or lines here; {missing} more, spread over the \
+             picture."
         ),
-        _ => format!("Two clicks need a known camera. {}", ready.describe()),
-    };
-    // Other ways to a base: automatic, from another document, by hand, or from too few frames.
-    let mut guidance = Guidance::say(text);
-    if ready.frames == 0 && app.why_not(Command::FindCamera).is_none() {
-        guidance = guidance.with_button("Find the camera automatically", Command::FindCamera);
-    }
-    guidance = guidance.with_button("Load a camera", Command::LoadCamera);
-    guidance = if ready.wide == 0 {
-        guidance.with_button("Enter it", Command::CameraPanel)
-    } else {
-        guidance.with_button("Estimate anyway", Command::EstimateBase)
-    };
-    Some(guidance)
+        0 => "This frame has enough points. Next: a frame that looks elsewhere.".to_owned(),
+        _ => format!(
+            "First the program must know where the camera stands. Click {LANDMARKS_ALONE} \
+             landmarks here, or have it found."
+        ),
+    }))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::next_step;
     use super::super::tests::{camera, click, opened, said};
-    use super::*;
     use touchline_core::camera::Ptz;
 
     #[test]
     fn a_camera_without_a_base_asks_for_one_and_counts() {
         let pointed = camera(Ptz::from_degrees(0.0, -12.0, 1000.0));
         let mut app = opened(false, 4);
-        let step = next_step(&app);
-        assert!(step.text.ends_with("Done: 0 of 3."), "{}", step.text);
+        let missing = app.missing_base().unwrap();
+        assert_eq!(missing.views, [None; 3]);
+        assert_eq!(missing.why_no_search.is_none(), cfg!(feature = "opencv"));
         assert!(
-            step.offers
-                .contains(&("Load a camera", Command::LoadCamera)),
-            "{step:?}"
-        );
-        let by_itself = ("Find the camera automatically", Command::FindCamera);
-        assert_eq!(
-            step.offers[0] == by_itself,
-            cfg!(feature = "opencv"),
-            "{step:?}"
+            said(&app).starts_with("First the program must know"),
+            "{}",
+            said(&app)
         );
         for landmark in [
             "centre_mark",
@@ -113,6 +88,15 @@ mod tests {
         ] {
             click(&mut app, landmark, &pointed);
         }
-        assert!(said(&app).ends_with("Done: 1 of 3."), "{}", said(&app));
+        assert_eq!(
+            said(&app),
+            "This frame has enough points. Next: a frame that looks elsewhere."
+        );
+        let missing = app.missing_base().unwrap();
+        assert_eq!(
+            missing.views,
+            [None, Some(0), None],
+            "its clicks are in the middle"
+        );
     }
 }

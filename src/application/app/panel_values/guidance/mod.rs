@@ -40,8 +40,9 @@ impl Guidance {
 
 /// The next step for the user.
 ///
-/// The first case that applies decides: reading a document, no document, running work, the quality
-/// page, an action that was begun, an estimated base, and then the state of the shown frame.
+/// The first case that applies decides: reading a document, no document, the quality page, an
+/// action that was begun, an estimated base, work that will answer the shown frame, and then its
+/// state.
 #[must_use]
 pub fn next_step(app: &App) -> Guidance {
     if let Some(opening) = &app.session.disk.opening {
@@ -53,14 +54,12 @@ pub fn next_step(app: &App) -> Guidance {
     let Some(frame) = app.frame() else {
         return Guidance::say("This document has no frames. Open a folder of frames or a video.");
     };
-    if let Some(under_way) = app
-        .operations
-        .under_way()
-        .filter(|_| app.session.mode == Mode::Idle)
-    {
-        return Guidance::say(under_way.text).with_button("Stop", under_way.stop);
-    }
     if app.session.quality.open {
+        // The page takes the place of the side panel, in which the work is shown otherwise.
+        if let Some(work) = app.under_way().first() {
+            let text = format!("{}. {}", work.job, work.step);
+            return Guidance::say(text).with_button("Stop", work.stop);
+        }
         let key = app.settings.keys.key_or_name(Command::QualityPage);
         return Guidance::say(format!(
             "Click a point to look at its frame; {key} or Esc goes back to the picture."
@@ -77,6 +76,7 @@ pub fn next_step(app: &App) -> Guidance {
         })
         .or_else(|| other_picture(app))
         .or_else(|| guide_unnamed_click(frame))
+        .or_else(|| guide_awaited_frame(app))
         // An accepted frame still needs a base, which is then more urgent than the next frame.
         .or_else(|| {
             guide_without_base(app, frame).filter(|_| frame.status == FrameStatus::Reference)
@@ -122,6 +122,15 @@ fn begun(app: &App) -> Option<Guidance> {
         }
         Mode::Editing => "Enter keeps the number, Esc restores it.".to_owned(),
     }))
+}
+
+/// Running work will answer the frame, so that no click is needed.
+fn guide_awaited_frame(app: &App) -> Option<Guidance> {
+    let says = app.awaited_answer()?;
+    let next = app.settings.keys.key_or_name(Command::NextNeedsMe);
+    Some(Guidance::say(format!(
+        "{says} Review others meanwhile ({next}); a click here goes before it."
+    )))
 }
 
 /// Frames that are selected: what is accepted now are these.
@@ -178,7 +187,7 @@ fn reference_text(app: &App) -> String {
     });
     match missing {
         _ if label => {
-            format!("Accepted (not used for training). N goes to the next of {left} to do.")
+            format!("Accepted. N goes to the next of {left} to do.")
         }
         0 => format!("Reference. N goes to the next of {left} to do; a click here changes it."),
         missing => {

@@ -75,19 +75,6 @@ impl App {
             self.forget_mirrored(index);
         }
     }
-
-    /// Reports that the frames suffice for an estimate, when they have just begun to. `before` is
-    /// the state before the action.
-    pub(in crate::app::update) fn tell_when_enough(&mut self, before: BaseReadiness) {
-        if self.current.base.is_none() && !before.is_enough() && self.base_readiness().is_enough() {
-            let text = "These frames are enough to estimate the base.";
-            self.session.notify_with(
-                Level::Info,
-                text,
-                [("Estimate the base", Command::EstimateBase)],
-            );
-        }
-    }
 }
 
 /// Replaces each name by its mirror image. Names without one stay.

@@ -280,7 +280,7 @@ fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
 mod tests {
     use super::*;
     use crate::app::operation::Report;
-    use crate::app::operations::transfer::TransferWrite;
+    use crate::app::operations::transfer::{TransferWrite, Written};
     use crate::app::{Action, DiskReport, EditAction, Effect, Opened, Question};
     use touchline_core::camera::{BaseAngles, CameraBase};
     use touchline_core::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
@@ -317,15 +317,17 @@ mod tests {
                 Effect::Start(job) => job.operation::<TransferWrite>().is_some().then_some(job),
                 _ => None,
             });
-            let written =
-                Report::from_result::<TransferWrite>(job.unwrap().id(), Ok("written".to_owned()));
+            let written = {
+                let (says, to) = ("written".to_owned(), "/elsewhere/match.json".into());
+                Report::from_result::<TransferWrite>(job.unwrap().id(), Ok(Written { says, to }))
+            };
             app.update(Action::Report(written));
             let offers = |app: &App| {
                 app.session
                     .messages
                     .notices
                     .iter()
-                    .filter(|notice| !notice.offers.is_empty())
+                    .filter(|notice| notice.offers(Command::ConfirmFieldSize))
                     .count()
             };
             assert_eq!(offers(&app), 1, "{:?}", app.session.messages.notices);

@@ -1,7 +1,7 @@
 //! Merges versions of the document: one that another program wrote, and edits to another version
 //! that were set aside.
 
-use crate::app::effect::{Effect, Opening, OrphanOrder};
+use crate::app::effect::{Effect, Opening, OrphanOrder, OutsideOrder};
 use crate::app::window_state::session::{Dialog, Level, Mode};
 use crate::app::{App, Command, OutsideChoice};
 use std::path::{Path, PathBuf};
@@ -69,8 +69,8 @@ impl App {
         self.session.dialog = None;
         let Some(open) = &self.open else { return };
         match choice {
-            OutsideChoice::Merge => self.effects.push(Effect::ReadOutside),
-            OutsideChoice::Replace => self.effects.push(Effect::SaveOver),
+            OutsideChoice::Merge => self.effects.push(Effect::Outside(OutsideOrder::Read)),
+            OutsideChoice::Replace => self.effects.push(Effect::Outside(OutsideOrder::SaveOver)),
             OutsideChoice::TakeTheirs => {
                 self.session.disk.opening = Some("Opening the other version…".to_owned());
                 self.effects
@@ -86,7 +86,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let merged = merge(&outside.base, &open.document, &outside.theirs);
         if self.take_merged(merged, Some(&outside.theirs), MergeOf::Outside) {
-            self.effects.push(Effect::SaveOver);
+            self.effects.push(Effect::Outside(OutsideOrder::SaveOver));
         }
     }
 

@@ -1,6 +1,7 @@
 //! The sport: selects the field of the shown frame's camera.
 
 use crate::app::App;
+use crate::app::effect::Effect;
 use crate::app::window_state::session::Level;
 use touchline_core::field::builtin;
 use touchline_documents::document::{CROWN, FieldSpec};
@@ -54,6 +55,8 @@ impl App {
         changed
             .params
             .extend(crown.map(|crown_m| (CROWN.to_owned(), crown_m)));
+        self.settings.remember_sport(template);
+        self.effects.push(Effect::SaveSettings);
         if self.edit_field(changed) {
             self.session.notify(Level::Info, format!("Field: {title}."));
         }

@@ -1,8 +1,8 @@
 //! The verdict on the shown frame, including paint and neighbours.
 
-use crate::app::App;
+use crate::app::{App, LineOffset};
 use touchline_core::markings::LineVerdict;
-use touchline_core::solve::{Judgement, Verdict};
+use touchline_core::solve::{CHECK_MISFIT, Judgement, Verdict, Warning, WarningCode};
 use touchline_documents::document::FrameStatus;
 
 impl App {
@@ -11,20 +11,38 @@ impl App {
     /// of its own.
     #[must_use]
     pub fn judgement(&self) -> Option<Judgement> {
-        // Evidence from outside of the frame's clicks can only lower a good verdict: if the clicks
-        // themselves are in doubt, that reason is the one to read.
+        // If the clicks contradict each other, that reason is the one to read.
         let judgement = self.current.judgement.clone();
-        if judgement
-            .as_ref()
-            .is_some_and(|judgement| judgement.verdict != Verdict::Good)
+        let is_uncertain = self.is_only_uncertain();
+        if let Some(judgement) = &judgement
+            && judgement.verdict != Verdict::Good
+            && !is_uncertain
         {
-            return judgement;
+            return Some(judgement.clone());
         }
-        let says = self
-            .paint_says(self.session.frame)
-            .filter(|says| says.verdict == LineVerdict::Contradicts);
-        if let Some(says) = says.filter(|_| judgement.is_some()) {
-            return Some(check(says.describe()));
+        // Then the paint: it sees what two clicks cannot, and it is the number that row, timeline
+        // and review state, too.
+        let frame = self.session.frame;
+        if let Some(beside) = self.line_beside_paint(frame) {
+            let LineOffset {
+                line, offset_px, ..
+            } = beside;
+            let px = offset_px.abs();
+            return Some(check(format!("{line}: {px:.0} px beside its paint")));
+        }
+        let says = self.paint_says(frame).filter(|_| judgement.is_some());
+        match says {
+            Some(says) if says.verdict == LineVerdict::Contradicts => {
+                return Some(check(says.describe()));
+            }
+            // Clicks close together leave the corners open; paint that is found there does not.
+            Some(says) if says.verdict == LineVerdict::Supports && is_uncertain => {
+                return Some(Judgement {
+                    verdict: Verdict::Good,
+                    reason: says.describe(),
+                });
+            }
+            _ => {}
         }
         // The panel shows a proposal's disagreement with its neighbours elsewhere.
         let is_reference = self
@@ -39,6 +57,24 @@ impl App {
             )));
         }
         judgement
+    }
+
+    /// Whether the clicks are in doubt only because they leave the corners of the picture
+    /// uncertain, and nothing contradicts them.
+    fn is_only_uncertain(&self) -> bool {
+        let Some(solved) = self.current.click_solution() else {
+            return false;
+        };
+        let is_uncertainty = |warning: &Warning| {
+            matches!(
+                warning.code,
+                WarningCode::Separation | WarningCode::Extrapolation
+            )
+        };
+        let is_check = |judgement: &Judgement| judgement.verdict == Verdict::Check;
+        self.current.judgement.as_ref().is_some_and(is_check)
+            && solved.warnings.iter().all(is_uncertainty)
+            && solved.misfit().is_none_or(|misfit| misfit <= CHECK_MISFIT)
     }
 }
 
