@@ -21,6 +21,7 @@ mod measuring;
 mod mend;
 mod merge;
 mod new;
+mod points;
 mod refine_base;
 mod relocalize;
 mod render;
@@ -65,6 +66,7 @@ enum Command {
     Merge(merge::MergeArgs),
     New(new::NewArgs),
     Plan(season::plan::PlanArgs),
+    Points(points::PointsArgs),
     RefineBase(refine_base::RefineBaseArgs),
     Relocalize(relocalize::RelocalizeArgs),
     Render(render::RenderArgs),
@@ -154,6 +156,7 @@ pub fn run() -> Next {
         Command::Merge(args) => merge::merge(&args, messages),
         Command::New(args) => new::new(&args, messages),
         Command::Plan(args) => season::plan::plan(&args, messages),
+        Command::Points(args) => points::points(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),
         Command::Render(args) => {

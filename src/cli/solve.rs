@@ -12,7 +12,8 @@ use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Document, DocumentAt, Fields, FrameStatus};
 
 /// Solves every frame with enough clicks; statuses stay as they are. A camera that was set by hand,
-/// aligned to paint or accepted from another source stays, too.
+/// aligned to paint or accepted from another source stays, too. New frames with points of a model
+/// alone become suggestions.
 #[derive(clap::Args, Debug)]
 pub struct SolveArgs {
     #[command(flatten)]

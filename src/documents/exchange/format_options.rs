@@ -61,12 +61,18 @@ pub enum FormatOption {
     Set,
     /// A camera for each picture.
     EachOwnCamera,
+    /// The plane of homographies.
+    Template,
+    /// The direction of homographies.
+    Direction,
+    /// The columns of a table.
+    Columns,
 }
 
 use FormatOption::{
-    Annotator, Automated, EachOwnCamera, Field, Fps, Images, Interpolate, Map, MatchId, Names,
+    Annotator, Automated, Columns, Direction as MatrixDirection, EachOwnCamera, Field, Fps, Images, Interpolate, Map, MatchId, Names,
     Outside, Perspective, Pixels, Projected, Rotations, SensorMm, Set, Size, SkipUnmapped,
-    StageHeading, StageOrigin, Start, StartTime, Takes, Undistorted, Variant, Zoom,
+    StageHeading, StageOrigin, Start, StartTime, Takes, Template, Undistorted, Variant, Zoom,
 };
 
 /// What every export of cameras takes.
@@ -102,7 +108,7 @@ pub enum Direction {
 
 impl FormatOption {
     /// Every option.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 30] = [
         Size,
         Variant,
         Undistorted,
@@ -130,6 +136,9 @@ impl FormatOption {
         Field,
         Set,
         EachOwnCamera,
+        Template,
+        MatrixDirection,
+        Columns,
     ];
 
     /// Its name on the command line, behind two hyphens.
@@ -163,6 +172,9 @@ impl FormatOption {
             Field => "field",
             Set => "set",
             EachOwnCamera => "each-own-camera",
+            Template => "template",
+            MatrixDirection => "direction",
+            Columns => "columns",
         }
     }
 }

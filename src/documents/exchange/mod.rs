@@ -22,6 +22,7 @@ mod files;
 mod format;
 mod format_options;
 mod imports;
+mod model_points;
 mod options;
 mod rate;
 mod registry;
@@ -34,7 +35,9 @@ pub use authors_mat::{
     AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder,
     read_authors_sequence,
 };
-pub use camera_formats::homography_files::template_from_ground;
+pub use camera_formats::homography_files::{
+    GroundPlan, HomographyOptions, MatrixDirection, template_from_ground,
+};
 pub use error::{ExchangeError, Problem};
 pub use exports::dataset::{
     DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame,
@@ -56,6 +59,9 @@ pub use imports::imported::Imported;
 pub use imports::join::{JoinedImport, JoinedPair, join};
 pub use imports::picture_points::{PicturePoints, read_picture_points};
 pub use imports::recognize::recognize_format;
+pub use model_points::layout::{PointLayout, PointModel, import_points};
+pub use model_points::outcomes::{PointOutcome, point_outcomes};
+pub use model_points::sigma::sigma_by_probability_px;
 pub use options::{
     ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource,
     Recording, Rotations, Zoom,

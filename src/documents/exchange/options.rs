@@ -1,5 +1,7 @@
 //! Options of exports and imports.
 
+use super::camera_formats::homography_files::HomographyOptions;
+use super::model_points::layout::PointModel;
 use super::rate::Rate;
 use super::timecode::Timecode;
 use crate::document::{CameraId, FieldSpec, FrameStatus, Stage, resolve_path};
@@ -160,6 +162,10 @@ pub struct ImportOptions {
     pub zoom: Option<Zoom>,
     /// The width of the sensor, mm.
     pub sensor_width_mm: Option<f64>,
+    /// What homographies mean that do not say it.
+    pub homographies: HomographyOptions,
+    /// The model that found the points; none where people placed them.
+    pub model: Option<PointModel>,
 }
 
 impl Default for ImportOptions {
@@ -175,6 +181,8 @@ impl Default for ImportOptions {
             annotator: None,
             zoom: None,
             sensor_width_mm: None,
+            homographies: HomographyOptions::default(),
+            model: None,
         }
     }
 }
