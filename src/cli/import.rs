@@ -5,6 +5,7 @@ use super::export::{
     MAX_TABLE_BYTES, format_parser, given_options, parse_size, parse_width, zoom_of,
 };
 use super::new::{parameter, parse_stride, read_field};
+use super::relocalize::probability;
 use crate::cli::terminal::attached_labels::{attach_to_video, open_video, read_labels, recognize};
 use crate::cli::terminal::document::DocumentOutput;
 use crate::cli::terminal::messages::{Messages, count_steps};
@@ -38,7 +39,7 @@ pub struct ImportArgs {
     #[arg(long, value_name = "NAME", requires = "points")]
     model: Option<String>,
     /// Points of a lower probability are left out.
-    #[arg(long, value_name = "P", default_value = "0", requires = "points", value_parser = parse_probability)]
+    #[arg(long, value_name = "P", default_value = "0", requires = "points", value_parser = probability)]
     min_probability: f64,
     /// Its format; without it the format is recognized by endings and contents.
     #[arg(long, value_parser = format_parser(Direction::Import))]
@@ -102,13 +103,6 @@ pub struct ImportArgs {
     each_own_camera: bool,
 }
 
-/// A probability from 0 to 1.
-fn parse_probability(text: &str) -> Result<f64, String> {
-    let probability: Option<f64> = text.parse().ok();
-    let probability = probability.filter(|probability| (0.0..=1.0).contains(probability));
-    probability.ok_or_else(|| "a probability from 0 to 1 is expected".to_owned())
-}
-
 /// Reads a layout of points by its name; the help lists them.
 fn layout_parser() -> impl TypedValueParser<Value = PointLayout> {
     let names = PossibleValuesParser::new(PointLayout::ALL.map(PointLayout::name));
@@ -161,7 +155,6 @@ enum Source {
     Labels(Format),
     Points(PointLayout, PointModel),
 }
-
 
 impl ImportArgs {
     /// The file or folder that is read.

@@ -88,7 +88,11 @@ pub fn points(args: &PointsArgs, messages: Messages) -> anyhow::Result<Outcome> 
         return Ok(Outcome::Done);
     };
     let outcomes = point_outcomes(document.at(location.folder()), of_model)?;
-    write_file(path, format!("{outcomes:#}\n").as_bytes(), args.output.force)?;
+    write_file(
+        path,
+        format!("{outcomes:#}\n").as_bytes(),
+        args.output.force,
+    )?;
     Ok(Outcome::Done)
 }
 

@@ -109,6 +109,7 @@ mod fields;
 mod frame_state;
 mod model;
 mod new_images;
+mod path_hint;
 mod paths;
 mod shots;
 mod text;
@@ -150,6 +151,7 @@ pub use model::solution::{
     TimingsMs,
 };
 pub use new_images::FolderChanges;
+pub use path_hint::hint_for_missing;
 pub use paths::{path_between, resolve_path};
 pub use shots::shots;
 pub use text::read::{ReadError, document_from_bytes};

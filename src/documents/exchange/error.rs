@@ -1,7 +1,8 @@
 //! Errors of imports and exports.
 
 use super::format::Format;
-use crate::document::OtherPictures;
+use super::lookalike::Lookalike;
+use crate::document::{OtherPictures, hint_for_missing};
 use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ use touchline_vision::media::MediaError;
 #[non_exhaustive]
 pub enum ExchangeError {
     /// A file or folder cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {source}{}", path.display(), describe_missing(path, source))]
     Read {
         /// Which.
         path: PathBuf,
@@ -58,10 +59,12 @@ pub enum ExchangeError {
         wanted: &'static str,
     },
     /// Files are of no known format.
-    #[error("{}: no format is recognized; {}", path.display(), hint_for(path))]
+    #[error("{}: no format is recognized; {}", path.display(), hint_for(path, *look))]
     UnknownFormat {
         /// The file or folder.
         path: PathBuf,
+        /// What it is, where that is known without a format for it.
+        look: Option<Lookalike>,
     },
     /// Files are of several formats.
     #[error("{}: the files may be {}; give --format", path.display(), either(formats))]
@@ -557,7 +560,10 @@ impl Problem {
 }
 
 /// What to do with a file of no known format.
-fn hint_for(path: &Path) -> &'static str {
+fn hint_for(path: &Path, look: Option<Lookalike>) -> &'static str {
+    if let Some(look) = look {
+        return look.hint();
+    }
     let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
     match ending.to_ascii_lowercase().as_str() {
         "csv" | "txt" | "tsv" => {
@@ -566,6 +572,12 @@ fn hint_for(path: &Path) -> &'static str {
         }
         _ => "give --format",
     }
+}
+
+/// What is probably meant by a path at which nothing lies; empty where its text does not show that.
+fn describe_missing(path: &Path, source: &io::Error) -> String {
+    let hint = hint_for_missing(path).filter(|_| source.kind() == io::ErrorKind::NotFound);
+    hint.map(|hint| format!("; {hint}")).unwrap_or_default()
 }
 
 /// The names of formats as alternatives: "a, b or c"; empty for none.

@@ -70,9 +70,10 @@ pub enum FormatOption {
 }
 
 use FormatOption::{
-    Annotator, Automated, Columns, Direction as MatrixDirection, EachOwnCamera, Field, Fps, Images, Interpolate, Map, MatchId, Names,
-    Outside, Perspective, Pixels, Projected, Rotations, SensorMm, Set, Size, SkipUnmapped,
-    StageHeading, StageOrigin, Start, StartTime, Takes, Template, Undistorted, Variant, Zoom,
+    Annotator, Automated, Columns, Direction as MatrixDirection, EachOwnCamera, Field, Fps, Images,
+    Interpolate, Map, MatchId, Names, Outside, Perspective, Pixels, Projected, Rotations, SensorMm,
+    Set, Size, SkipUnmapped, StageHeading, StageOrigin, Start, StartTime, Takes, Template,
+    Undistorted, Variant, Zoom,
 };
 
 /// What every export of cameras takes.

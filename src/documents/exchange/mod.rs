@@ -22,6 +22,7 @@ mod files;
 mod format;
 mod format_options;
 mod imports;
+mod lookalike;
 mod model_points;
 mod options;
 mod rate;

@@ -2,8 +2,8 @@
 //! it.
 
 use crate::document::{
-    BetterName, Document, Frame, FramePtz, FrameStatus, ImportedCamera, Proposed, Solution, SolutionSource,
-    SolutionWarning, Target,
+    BetterName, Document, Frame, FramePtz, FrameStatus, ImportedCamera, Proposed, Solution,
+    SolutionSource, SolutionWarning, Target,
 };
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::solve::{FrameSolution, Uncertainty, covariance_of_four_points, judge};

@@ -88,7 +88,10 @@ mod tests {
 
     fn suggested() -> Frame {
         let mut frame = new_frame("a.jpg", ImageSize::new(64, 36));
-        frame.clicks = vec![point_of("net", "centre_mark"), point_of("net", "halfway_far")];
+        frame.clicks = vec![
+            point_of("net", "centre_mark"),
+            point_of("net", "halfway_far"),
+        ];
         frame.ptz = ptz_at(1.0, -9.0, 900.0);
         frame.solution = solved_by(SolutionSource::Points);
         frame.status = frame.undecided_status();
@@ -117,7 +120,10 @@ mod tests {
         assert_eq!(frame.remove_points_of(Some("other")), 0);
         assert_eq!(frame, suggested());
         assert_eq!(frame.remove_points_of(None), 2);
-        assert_eq!((frame.status, frame.ptz.is_none()), (FrameStatus::New, true));
+        assert_eq!(
+            (frame.status, frame.ptz.is_none()),
+            (FrameStatus::New, true)
+        );
 
         let mut moved = suggested();
         moved.clicks[1].take_over();

@@ -162,7 +162,9 @@ fn marks_of(
         .chunks_exact(3)
         .enumerate()
         // Predictions have a point that they do not believe in at the corner.
-        .filter(|(_, point)| point[2] != 0.0 && (third != ThirdNumber::Probability || point[..2] != [0.0, 0.0]));
+        .filter(|(_, point)| {
+            point[2] != 0.0 && (third != ThirdNumber::Probability || point[..2] != [0.0, 0.0])
+        });
     points
         .map(|(index, point)| {
             if third == ThirdNumber::Visibility && ![1.0, 2.0].contains(&point[2]) {
@@ -245,7 +247,11 @@ pub(in crate::exchange) fn read_with(
         // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
         let own = (reading.sizes)(&at_image).or_else(|| (reading.sizes)(stem));
         let size = size_or_option(&at_image, own, reading.options)?;
-        let marks = unread.keep(file, None, marks_of_file(bytes, third, names.as_deref(), size));
+        let marks = unread.keep(
+            file,
+            None,
+            marks_of_file(bytes, third, names.as_deref(), size),
+        );
         Ok(marks.map(|marks| LabelledFrame {
             name: stem.to_owned(),
             image: Some(at_image),

@@ -2,7 +2,9 @@
 
 use super::imported::Imported;
 use super::pictures::{image_of, refuse_shared_pictures};
-use crate::document::{Click, ClickOrigin, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between};
+use crate::document::{
+    Click, ClickOrigin, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between,
+};
 use crate::exchange::cameras::into_document::Cameras;
 use crate::exchange::cameras::picture_size::{FittedSizes, has_same_proportions};
 use crate::exchange::click_formats::clicked_frame::{
@@ -164,7 +166,11 @@ fn keep_most_probable(clicks: &mut Vec<Click>) {
     };
     let mut best: BTreeMap<Target, (usize, f64)> = BTreeMap::new();
     for (index, click) in clicks.iter().enumerate() {
-        if let Some(target) = click.target.clone().filter(|target| target.line().is_none()) {
+        if let Some(target) = click
+            .target
+            .clone()
+            .filter(|target| target.line().is_none())
+        {
             let here = (index, probability(click));
             let known = best.entry(target).or_insert(here);
             if here.1 > known.1 {

@@ -28,7 +28,10 @@ pub(super) struct JsonMap;
 /// The point of a label.
 fn mark(label: &str, point: &Node<'_>, shift_px: f64) -> Result<Mark, Problem> {
     let at = |[x, y]: [f64; 2]| {
-        Mark::new(label.to_owned(), ImagePoint::new(x + shift_px, y + shift_px))
+        Mark::new(
+            label.to_owned(),
+            ImagePoint::new(x + shift_px, y + shift_px),
+        )
     };
     if let Some(items) = point.value().as_array() {
         if items.len() == 2 {
@@ -70,7 +73,12 @@ fn sigma_of(rows: &[[f64; 2]], node: &Node<'_>) -> Result<f64, Problem> {
 fn marks(picture: &Node<'_>, shift_px: f64) -> Result<Vec<Mark>, Problem> {
     let mut marks = Vec::new();
     for (label, points) in picture.entries()? {
-        let is_list = |value: &Value| value.as_array().and_then(|items| items.first()).is_some_and(|first| !first.is_number());
+        let is_list = |value: &Value| {
+            value
+                .as_array()
+                .and_then(|items| items.first())
+                .is_some_and(|first| !first.is_number())
+        };
         if is_list(points.value()) {
             for point in points.items()? {
                 marks.push(mark(label, &point, shift_px)?);

@@ -70,16 +70,23 @@ pub fn point_outcomes(at: DocumentAt<'_>, model: Option<&str>) -> Result<Value, 
     for frame in &document.frames {
         let field = fields.for_frame(document, frame);
         let camera = document.ptz_camera(frame);
-        let of_clicks = frame.clicks.iter().enumerate().map(|(index, click)| {
-            (click, PointOutcome::from_click(frame, index, click))
-        });
+        let of_clicks = frame
+            .clicks
+            .iter()
+            .enumerate()
+            .map(|(index, click)| (click, PointOutcome::from_click(frame, index, click)));
         let refused = frame
             .refused_points
             .iter()
             .map(|click| (click, PointOutcome::Refused));
         let points = of_clicks.chain(refused).filter_map(|(click, outcome)| {
             let origin = click.origin.as_deref().filter(|origin| is_meant(origin))?;
-            Some(describe(click, origin, outcome, (frame, field, camera.as_ref())))
+            Some(describe(
+                click,
+                origin,
+                outcome,
+                (frame, field, camera.as_ref()),
+            ))
         });
         let points: Vec<Value> = points.collect();
         if points.is_empty() {
@@ -184,7 +191,10 @@ mod tests {
             .iter()
             .map(|point| point["outcome"].as_str().unwrap())
             .collect();
-        assert_eq!((of[0], of[1], of[of.len() - 1]), ("accepted", "moved", "refused"));
+        assert_eq!(
+            (of[0], of[1], of[of.len() - 1]),
+            ("accepted", "moved", "refused")
+        );
         assert_eq!(points[1]["moved_px"], 3.0);
         assert!(points[0]["off_camera_px"].as_f64().unwrap() < 1e-3);
         let others = point_outcomes(document.at(Path::new(".")), Some("other")).unwrap();

@@ -141,11 +141,7 @@ fn label(kind: &str, number: &str) -> String {
 }
 
 /// A point of a picture that is stated in shares of it.
-fn mark(
-    label: String,
-    [x, y, probability]: [f64; 3],
-    size: ImageSize,
-) -> Result<Mark, Problem> {
+fn mark(label: String, [x, y, probability]: [f64; 3], size: ImageSize) -> Result<Mark, Problem> {
     let image = ImagePoint::new(x * f64::from(size.width), y * f64::from(size.height));
     Mark::new(label, image).with_probability(probability)
 }
@@ -163,7 +159,13 @@ fn marks(root: &Node<'_>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
             marks.push(mark(label("point", number), numbers, size)?);
         }
     }
-    for (number, line) in lines.iter().map(Node::entries).collect::<Result<Vec<_>, _>>()?.into_iter().flatten() {
+    for (number, line) in lines
+        .iter()
+        .map(Node::entries)
+        .collect::<Result<Vec<_>, _>>()?
+        .into_iter()
+        .flatten()
+    {
         for keys in [["x_1", "y_1", "p_1"], ["x_2", "y_2", "p_2"]] {
             let numbers = line.numbers_at(keys)?;
             marks.push(mark(label("line", number), numbers, size)?);
@@ -280,7 +282,14 @@ mod tests {
         let found: Vec<(&str, f64, f64, Option<f64>)> = frames[0]
             .marks
             .iter()
-            .map(|mark| (mark.label.as_str(), mark.image.x, mark.image.y, mark.probability))
+            .map(|mark| {
+                (
+                    mark.label.as_str(),
+                    mark.image.x,
+                    mark.image.y,
+                    mark.probability,
+                )
+            })
             .collect();
         assert_eq!(
             found,
@@ -300,11 +309,19 @@ mod tests {
                 "a.json: the probability of \"point 1\" is 2, and must be between 0 and 1; files \
                  of labels are imported without --points",
             ),
-            (r#"{"kp": {"1": {"x": 0, "p": 0.2}}}"#, "a.json: kp.1.y is missing"),
+            (
+                r#"{"kp": {"1": {"x": 0, "p": 0.2}}}"#,
+                "a.json: kp.1.y is missing",
+            ),
             ("{}", "a.json: kp is missing"),
         ] {
             let files = Files::one("a.json", text.as_bytes().to_vec());
-            let error = read_alone(&PnlCalibPoints, &files, &ImportOptions::default(), Some(SIZE));
+            let error = read_alone(
+                &PnlCalibPoints,
+                &files,
+                &ImportOptions::default(),
+                Some(SIZE),
+            );
             assert_eq!(error.unwrap_err().to_string(), wanted);
         }
     }

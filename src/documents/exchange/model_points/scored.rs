@@ -36,7 +36,9 @@ fn marks_of_result(entry: &Node<'_>, shift_px: f64) -> Result<(i64, Vec<Mark>), 
             found: values.len(),
         });
     }
-    let names: Vec<String> = (0..values.len() / 3).map(|index| index.to_string()).collect();
+    let names: Vec<String> = (0..values.len() / 3)
+        .map(|index| index.to_string())
+        .collect();
     let third = (ThirdNumber::Probability, shift_px);
     Ok((id, coco::marks_of_keypoints(&values, &names, third)?))
 }
@@ -49,7 +51,11 @@ fn read_results(
     unread: &mut UnreadLabels,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     // COCO counts from pixel centres.
-    let shift_px = reading.options.pixels.unwrap_or(Pixels::Centre).to_corner_px();
+    let shift_px = reading
+        .options
+        .pixels
+        .unwrap_or(Pixels::Centre)
+        .to_corner_px();
     let mut frames: BTreeMap<i64, LabelledFrame> = BTreeMap::new();
     for entry in root.items()? {
         let read = marks_of_result(&entry, shift_px);
@@ -89,7 +95,12 @@ impl ClickFormat for ScoredCoco {
             if value.is_array() {
                 return read_results(file, &Node::root(&value), reading, unread);
             }
-            coco::read_with(ThirdNumber::Probability, (file, bytes), reading.options, unread)
+            coco::read_with(
+                ThirdNumber::Probability,
+                (file, bytes),
+                reading.options,
+                unread,
+            )
         })
     }
 }

@@ -25,7 +25,10 @@ pub(super) const SHUTTLE_COURT_PX: [f64; 4] = [25.0, 150.0, 325.0, 810.0];
 
 /// The map from the ground (m, from the middle) to `ShuttleSet`'s drawing with the court's corners
 /// at left, top, right and bottom, px.
-pub(super) fn shuttle_from_ground([left, top, right, bottom]: [f64; 4], field: &FieldModel) -> Mat3 {
+pub(super) fn shuttle_from_ground(
+    [left, top, right, bottom]: [f64; 4],
+    field: &FieldModel,
+) -> Mat3 {
     // Along the court, away from the camera, is our x; to the left is our y.
     let across = (right - left) / field.width_m;
     let along = (bottom - top) / field.length_m;

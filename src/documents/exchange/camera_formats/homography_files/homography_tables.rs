@@ -44,7 +44,14 @@ const MATRIX_COLUMNS: [&str; 5] = ["homography_matrix", "homography", "h", "H", 
 
 /// Names of columns with the name of a frame.
 const NAME_COLUMNS: [&str; 8] = [
-    "image", "file_name", "filename", "file", "frame", "video", "name", "id",
+    "image",
+    "file_name",
+    "filename",
+    "file",
+    "frame",
+    "video",
+    "name",
+    "id",
 ];
 
 /// Columns of a matrix's numbers.
@@ -162,15 +169,22 @@ fn read_table(bytes: &[u8], reading: &Reading<'_>) -> Result<Vec<FrameCamera>, P
     let given = reading.options;
     let known = |column: &str| table.needs(&[column]).is_ok();
     let find = |given: Option<&String>, usual: &[&'static str]| match given {
-        Some(column) => table.needs(&[column.as_str()]).map(|()| Some(column.clone())),
-        None => Ok(usual.iter().find(|column| known(column)).map(|column| (*column).to_owned())),
+        Some(column) => table
+            .needs(&[column.as_str()])
+            .map(|()| Some(column.clone())),
+        None => Ok(usual
+            .iter()
+            .find(|column| known(column))
+            .map(|column| (*column).to_owned())),
     };
     let column = find(given.matrix_column.as_ref(), &MATRIX_COLUMNS)?;
     if column.is_none() {
-        table.needs(&NUMBER_COLUMNS).map_err(|_| Problem::OptionNeeded {
-            what: "the column of the matrices".to_owned(),
-            option: "--columns h=NAME",
-        })?;
+        table
+            .needs(&NUMBER_COLUMNS)
+            .map_err(|_| Problem::OptionNeeded {
+                what: "the column of the matrices".to_owned(),
+                option: "--columns h=NAME",
+            })?;
     }
     let name_column = find(given.name_column.as_ref(), &NAME_COLUMNS)?;
     let mut frames = FrameCollector::default();
@@ -347,7 +361,11 @@ mod tests {
 
     #[test]
     fn shuttlesets_court_lies_where_its_corners_are_stated() {
-        let frames = read("a.csv", SHUTTLE.as_bytes(), &options(GroundPlan::ShuttleSet, "badminton"));
+        let frames = read(
+            "a.csv",
+            SHUTTLE.as_bytes(),
+            &options(GroundPlan::ShuttleSet, "badminton"),
+        );
         let frames = frames.unwrap();
         assert_eq!(frames[0].name, "Finals");
         // Far left, seen by a camera behind the left end: +x is away, +y to the left.
@@ -370,7 +388,11 @@ mod tests {
         options.pixels = Some(Pixels::Centre);
         let text = values.map(|value| value.to_string()).join(",");
         let columns = NUMBER_COLUMNS.join(",");
-        let table = read("a.csv", format!("frame,{columns}\n7,{text}\n").as_bytes(), &options);
+        let table = read(
+            "a.csv",
+            format!("frame,{columns}\n7,{text}\n").as_bytes(),
+            &options,
+        );
         let line = format!("{{\"image\": \"7.jpg\", \"h\": [{text}]}}\n");
         let line = read("a.jsonl", line.as_bytes(), &options);
         let array = Array {
