@@ -1,7 +1,6 @@
 //! Groups of frames and the summaries of their scores.
 
 use super::{Evaluation, FrameResult, FrameScores, Measure};
-use std::collections::BTreeSet;
 use touchline_core::geometry::ImageSize;
 use touchline_core::score::{SigmaCoverage, Summary};
 
@@ -101,11 +100,16 @@ impl FrameGroup {
             .iter()
             .map(|sigmas| 3.0 * sigmas * sigmas)
             .collect();
-        let sizes: BTreeSet<ImageSize> = frames.iter().map(|frame| frame.image_size).collect();
+        let mut sizes: Vec<ImageSize> = Vec::new();
+        for frame in frames {
+            if !sizes.contains(&frame.image_size) {
+                sizes.push(frame.image_size);
+            }
+        }
         Self {
             kind,
             name,
-            image_sizes: sizes.into_iter().collect(),
+            image_sizes: sizes,
             frames: frames.len(),
             scored: scored.len(),
             measures: summaries.collect(),

@@ -47,7 +47,7 @@ pub struct FrameResult {
     /// Its camera in the truth.
     pub camera: CameraId,
     /// The size of its picture in the truth, in whose px the scores are.
-    #[serde(rename = "image_size_px", serialize_with = "width_and_height")]
+    #[serde(rename = "image_size_px")]
     pub image_size: ImageSize,
     /// The horizontal field of view: the true camera's, else the estimate's.
     #[serde(rename = "view_deg")]
@@ -55,11 +55,6 @@ pub struct FrameResult {
     /// Its scores, or why it has none.
     #[serde(serialize_with = "scores_or_reason")]
     pub scores: Result<FrameScores, Unscored>,
-}
-
-/// A size as width and height.
-fn width_and_height<S: Serializer>(size: &ImageSize, serializer: S) -> Result<S::Ok, S::Error> {
-    [size.width, size.height].serialize(serializer)
 }
 
 /// The scores, or why there are none as text.

@@ -16,7 +16,7 @@ use crate::exchange::files::{Files, base_name, text, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
 use crate::exchange::options::ImportOptions;
-use crate::exchange::syntax::node::{Node, parse};
+use crate::exchange::syntax::node::{Node, parse, safe_path};
 use crate::exchange::syntax::npy;
 use crate::exchange::syntax::table::{Table, TableRow, numbers};
 use std::path::Path;
@@ -191,11 +191,12 @@ fn read_table(bytes: &[u8], reading: &Reading<'_>) -> Result<Vec<FrameCamera>, P
     for (index, row) in table.rows().enumerate() {
         let name = name_column.as_deref().and_then(|column| row.text(column));
         let name = name.map_or_else(|| format!("{:06}", index + 1), ToOwned::to_owned);
-        let read = matrix_of_row(&row, column.as_deref()).and_then(|h| {
+        let read = safe_path(&name).and_then(|path| {
+            let h = matrix_of_row(&row, column.as_deref())?;
             let is_shuttle = reading.plan == GroundPlan::ShuttleSet
                 && reading.direction == MatrixDirection::PitchFromImage;
             let own = is_shuttle.then(|| drawing_of_corners(&row, &h, &reading.field));
-            reading.frame(&name, &h, own.flatten())
+            reading.frame(&path, &h, own.flatten())
         });
         frames.add(&name, None, read);
         if frames.has_only_damaged() {
