@@ -304,6 +304,15 @@ fn usage_line(error: &clap::Error) -> String {
         .collect::<Vec<_>>()
         .join(" ");
     let what = what.strip_prefix("error: ").unwrap_or(&what);
+    // The advice to put `--` before a number below zero is for a place of its own; that of an option
+    // stands behind `=`.
+    let is_number = |tip: &str| tip.as_bytes().get(2).is_some_and(u8::is_ascii_digit);
+    let what = match what.split_once(" tip: to pass ") {
+        Some((what, tip)) if is_number(tip) => {
+            format!("{what}; a number below zero is written behind =, as in --frame=-1")
+        }
+        _ => what.to_owned(),
+    };
     format!("{what}; see touchline --help")
 }
 

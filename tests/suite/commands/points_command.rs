@@ -145,3 +145,34 @@ fn wrong_points_and_options_are_refused_in_one_line() {
         assert!(ran.stderr.contains(wanted), "{arguments}: {}", ran.stderr);
     }
 }
+
+#[test]
+fn arguments_that_were_exchanged_say_their_order() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("match.mp4"), b"no video").unwrap();
+    fs::create_dir(folder.path().join("project")).unwrap();
+    for (arguments, wanted) in [
+        (
+            "new match.mp4 --frames project --field soccer",
+            "match.mp4 is a video, and the project's folder comes first",
+        ),
+        (
+            "relocalize project match.tlf -o o.json",
+            "project is a folder, and the forest comes first",
+        ),
+        ("sovle project", "`touchline solve` may be meant"),
+        (
+            "render project --frame -1 -o o.png",
+            "a number below zero is written behind =",
+        ),
+        (
+            "import https://x.org/a.json -o o.json",
+            "it is a web address; download the file",
+        ),
+    ] {
+        let ran = touchline(folder.path(), arguments);
+        assert_eq!(ran.code, 2, "{arguments}");
+        assert!(ran.stderr.contains(wanted), "{arguments}: {}", ran.stderr);
+        assert_eq!(ran.stderr.lines().count(), 1, "{arguments}: {}", ran.stderr);
+    }
+}

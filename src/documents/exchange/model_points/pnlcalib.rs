@@ -153,19 +153,13 @@ fn marks(root: &Node<'_>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
     for (number, point) in root.key("kp")?.entries()? {
         let numbers = point.numbers_at(["x", "y", "p"])?;
         // Computed from lines that are read themselves: the same evidence twice.
-        #[expect(clippy::float_cmp, reason = "their program writes exactly 1")]
         let is_computed = numbers[2] == 1.0 && lines.is_some();
         if !is_computed {
             marks.push(mark(label("point", number), numbers, size)?);
         }
     }
-    for (number, line) in lines
-        .iter()
-        .map(Node::entries)
-        .collect::<Result<Vec<_>, _>>()?
-        .into_iter()
-        .flatten()
-    {
+    let entries = lines.as_ref().map(Node::entries).transpose()?;
+    for (number, line) in entries.into_iter().flatten() {
         for keys in [["x_1", "y_1", "p_1"], ["x_2", "y_2", "p_2"]] {
             let numbers = line.numbers_at(keys)?;
             marks.push(mark(label("line", number), numbers, size)?);
