@@ -39,7 +39,8 @@ pub struct ImportArgs {
     #[arg(long, value_name = "NAME", requires = "points")]
     model: Option<String>,
     /// Points of a lower probability are left out.
-    #[arg(long, value_name = "P", default_value = "0", requires = "points", value_parser = probability)]
+    #[arg(long, value_name = "P", default_value = "0", requires = "points")]
+    #[arg(value_parser = probability)]
     min_probability: f64,
     /// Its format; without it the format is recognized by endings and contents.
     #[arg(long, value_parser = format_parser(Direction::Import))]

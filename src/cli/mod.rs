@@ -61,7 +61,7 @@ enum Command {
     Experiment(measuring::experiment::ExperimentArgs),
     Export(Box<export::ExportArgs>),
     Fields(fields::FieldsArgs),
-    Import(import::ImportArgs),
+    Import(Box<import::ImportArgs>),
     Mend(mend::MendArgs),
     Merge(merge::MergeArgs),
     New(new::NewArgs),
@@ -251,8 +251,8 @@ fn wrong_usage(error: &clap::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// The message that a word in the place of a command is nearly one; none where it is not, or where a
-/// document of this name lies there.
+/// The message that a word in the place of a command is nearly one; none where it is not, or where
+/// a document of this name lies there.
 fn describe_misspelt(word: &str) -> Option<String> {
     /// Letters that may be missing, wrong or too many.
     const MOST_WRONG: usize = 2;
@@ -304,8 +304,8 @@ fn usage_line(error: &clap::Error) -> String {
         .collect::<Vec<_>>()
         .join(" ");
     let what = what.strip_prefix("error: ").unwrap_or(&what);
-    // The advice to put `--` before a number below zero is for a place of its own; that of an option
-    // stands behind `=`.
+    // The advice to put `--` before a number below zero is for a place of its own; that of an
+    // option stands behind `=`.
     let is_number = |tip: &str| tip.as_bytes().get(2).is_some_and(u8::is_ascii_digit);
     let what = match what.split_once(" tip: to pass ") {
         Some((what, tip)) if is_number(tip) => {

@@ -115,7 +115,10 @@ impl SameFailures {
         });
         for (reason, others) in others.filter(|(_, others)| *others > 0) {
             if messages == Messages::Text {
-                messages.note(&format!("and {} more: {reason}", pluralise(others, "frame")));
+                messages.note(&format!(
+                    "and {} more: {reason}",
+                    pluralise(others, "frame")
+                ));
             }
         }
     }

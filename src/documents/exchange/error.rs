@@ -1,7 +1,6 @@
 //! Errors of imports and exports.
 
 use super::format::Format;
-use super::lookalike::Lookalike;
 use crate::document::{OtherPictures, hint_for_missing};
 use std::ffi::OsStr;
 use std::io;
@@ -59,12 +58,12 @@ pub enum ExchangeError {
         wanted: &'static str,
     },
     /// Files are of no known format.
-    #[error("{}: no format is recognized; {}", path.display(), hint_for(path, *look))]
+    #[error("{}: no format is recognized; {}", path.display(), hint.unwrap_or_else(|| hint_for(path)))]
     UnknownFormat {
         /// The file or folder.
         path: PathBuf,
-        /// What it is, where that is known without a format for it.
-        look: Option<Lookalike>,
+        /// What to do with it, where it is known and has no format.
+        hint: Option<&'static str>,
     },
     /// Files are of several formats.
     #[error("{}: the files may be {}; give --format", path.display(), either(formats))]
@@ -560,10 +559,7 @@ impl Problem {
 }
 
 /// What to do with a file of no known format.
-fn hint_for(path: &Path, look: Option<Lookalike>) -> &'static str {
-    if let Some(look) = look {
-        return look.hint();
-    }
+fn hint_for(path: &Path) -> &'static str {
     let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
     match ending.to_ascii_lowercase().as_str() {
         "csv" | "txt" | "tsv" => {

@@ -22,7 +22,6 @@ mod files;
 mod format;
 mod format_options;
 mod imports;
-mod lookalike;
 mod model_points;
 mod options;
 mod rate;
@@ -36,9 +35,8 @@ pub use authors_mat::{
     AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder,
     read_authors_sequence,
 };
-pub use camera_formats::homography_files::{
-    GroundPlan, HomographyOptions, MatrixDirection, template_from_ground,
-};
+pub use camera_formats::homography_files::template_from_ground;
+pub use click_formats::point_sigma::sigma_by_probability_px;
 pub use error::{ExchangeError, Problem};
 pub use exports::dataset::{
     DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame,
@@ -60,12 +58,11 @@ pub use imports::imported::Imported;
 pub use imports::join::{JoinedImport, JoinedPair, join};
 pub use imports::picture_points::{PicturePoints, read_picture_points};
 pub use imports::recognize::recognize_format;
-pub use model_points::layout::{PointLayout, PointModel, import_points};
+pub use model_points::layout::{PointLayout, import_points};
 pub use model_points::outcomes::{PointOutcome, point_outcomes};
-pub use model_points::sigma::sigma_by_probability_px;
 pub use options::{
-    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource,
-    Recording, Rotations, Zoom,
+    ExportOptions, FrameChoice, Gaps, GroundPlan, HomographyOptions, ImportOptions, KeypointNames,
+    LabelMap, MatrixDirection, Pixels, PointModel, PointSource, Recording, Rotations, Zoom,
 };
 pub use rate::Rate;
 pub use timecode::Timecode;

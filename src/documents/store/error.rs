@@ -25,7 +25,8 @@ pub enum StoreError {
     #[error(
         "{} does not exist; {}",
         path.display(),
-        hint_for_missing(path).unwrap_or("give a project folder, its project.json or a dataset file")
+        hint_for_missing(path)
+            .unwrap_or("give a project folder, its project.json or a dataset file")
     )]
     NotFound {
         /// The path.

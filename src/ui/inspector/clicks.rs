@@ -368,7 +368,7 @@ fn describe_origin(origin: &ClickOrigin) -> String {
         .sigma_px
         .map(|sigma_px| format!(", known to ±{sigma_px:.1} px"));
     format!(
-        "Found by {model}{}{}. Nobody has looked at it: move or rename it, or accept the frame.",
+        "Found by {model}{}{}. No person has looked at it: move or rename it, or accept the frame.",
         probability.unwrap_or_default(),
         sigma.unwrap_or_default()
     )

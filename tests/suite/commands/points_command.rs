@@ -54,7 +54,8 @@ fn points_of_a_model_become_a_suggestion_and_go_again_together() {
     fs::write(folder.path().join("points.json"), map.to_string()).unwrap();
     let ran = touchline(
         folder.path(),
-        "import --points points.json --layout json-map --model net --min-probability 0.1 --size 1280x720 -o doc.json",
+        "import --points points.json --layout json-map --model net --min-probability 0.1 \
+         --size 1280x720 -o doc.json",
     );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     assert!(

@@ -463,7 +463,7 @@ mod tests {
             ),
         ] {
             assert_eq!(
-                marks_of(line, names.as_deref(), SIZE)
+                marks_of(line, ThirdNumber::Visibility, names.as_deref(), SIZE)
                     .unwrap_err()
                     .to_string(),
                 wanted

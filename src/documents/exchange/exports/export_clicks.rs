@@ -148,7 +148,7 @@ fn clicks_of(frame: &Frame) -> (Vec<Click>, &'static str) {
         .iter()
         .filter(|click| click.target.is_some() && (is_accepted || !click.is_by_model()));
     let why_none = if frame.has_points_of_models_alone() {
-        "it has points of a model alone, which nobody accepted"
+        "it has points of a model alone, which no person accepted"
     } else {
         "it has no clicks"
     };

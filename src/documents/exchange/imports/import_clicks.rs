@@ -11,10 +11,10 @@ use crate::exchange::click_formats::clicked_frame::{
     ClickFormat, LabelReading, LabelledFrame, Mark, read_labels,
 };
 use crate::exchange::click_formats::labels::{Meaning, describe_counts};
+use crate::exchange::click_formats::point_sigma::sigma_by_probability_px;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, no_files};
 use crate::exchange::format::Format;
-use crate::exchange::model_points::sigma::sigma_by_probability_px;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::values::shorten;
 use std::collections::{BTreeMap, BTreeSet};

@@ -5,12 +5,12 @@
 //! ignored, so that one damaged file in a folder does not matter. Where files of several formats
 //! lie together, the user decides.
 
+use super::lookalike::Lookalike;
 use crate::exchange::click_formats::points_table::COLUMNS as POINT_COLUMNS;
 use crate::exchange::click_formats::soccernet_lines::GAME_STATE;
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::{Files, base_name, refuse_archive, text};
+use crate::exchange::files::{Files, base_name, ending_of, refuse_archive, text};
 use crate::exchange::format::Format;
-use crate::exchange::lookalike::Lookalike;
 use crate::exchange::registry::{Codec, codec};
 use crate::exchange::syntax::node::parse;
 use crate::exchange::syntax::table::{Table, numbers};
@@ -51,12 +51,12 @@ pub fn recognize_format(path: &Path) -> Result<Format, ExchangeError> {
                 refuse_archive(bytes).map_err(|problem| problem.within(name))?;
             }
             let entries = files.sorted_entries();
-            let mut looks = entries
+            let mut known = entries
                 .iter()
                 .filter_map(|(name, bytes)| Lookalike::from_file(name, bytes));
             Err(ExchangeError::UnknownFormat {
                 path: path.to_path_buf(),
-                look: looks.next(),
+                hint: known.next().map(Lookalike::hint),
             })
         }
         _ => Err(ExchangeError::SeveralFormats {
@@ -89,12 +89,6 @@ impl Sample {
         self.taken += usize::from(takes);
         takes
     }
-}
-
-/// A file's ending in small letters; empty where it has none.
-pub(in crate::exchange) fn ending_of(name: &str) -> String {
-    let ending = base_name(name).rsplit_once('.').map(|(_, ending)| ending);
-    ending.unwrap_or_default().to_ascii_lowercase()
 }
 
 /// Whether some format has files of this ending.

@@ -3,7 +3,7 @@
 //! ```json
 //! {"0001.jpg": {"centre_mark": [444.7, 789.2, 0.93],
 //!               "halfway_line": [[434.1, 535.7, 0.8], [440.6, 690.3, 0.7]],
-//!               "halfway_far": {"x": 434.1, "y": 535.7, "p": 0.8, "covariance_px2": [[4, 0], [0, 9]]}}}
+//!               "halfway_far": {"x": 434.1, "y": 535.7, "covariance_px2": [[4, 0], [0, 9]]}}}
 //! ```
 //!
 //! A point is `[x, y]`, `[x, y, p]`, or an object with `x`, `y` and any of `p`, `sigma_px` and
@@ -152,7 +152,8 @@ mod tests {
     #[test]
     fn points_come_with_a_probability_a_sigma_or_a_covariance() {
         let text = r#"{"a.jpg": {"centre_mark": [1, 2, 0.5], "halfway_far": [3, 4],
-            "halfway_line": [[5, 6, 0.25], {"x": 7, "y": 8, "p": 0.5, "covariance_px2": [[4, 1], [1, 14]]}],
+            "halfway_line": [[5, 6, 0.25],
+                {"x": 7, "y": 8, "p": 0.5, "covariance_px2": [[4, 1], [1, 14]]}],
             "corner_far_left": {"x": 9, "y": 10, "sigma_px": 2}}}"#;
         let files = Files::one("a.json", text.as_bytes().to_vec());
         let options = ImportOptions {
@@ -179,7 +180,8 @@ mod tests {
 
     #[test]
     fn a_damaged_picture_costs_itself_alone() {
-        let text = r#"{"a.jpg": {"centre_mark": [1, 2]}, "b.jpg": {"centre_mark": {"x": 1, "y": 2, "covariance_px2": [[1, 2], [2, 1]]}},
+        let text = r#"{"a.jpg": {"centre_mark": [1, 2]},
+            "b.jpg": {"centre_mark": {"x": 1, "y": 2, "covariance_px2": [[1, 2], [2, 1]]}},
             "c.jpg": {"centre_mark": [1]}}"#;
         let files = Files::one("a.json", text.as_bytes().to_vec());
         let reading = LabelReading {

@@ -75,15 +75,6 @@ impl PointLayout {
     }
 }
 
-/// The model whose points are read.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointModel {
-    /// Its name; the origin of its points is `model:` and this.
-    pub name: String,
-    /// Points of a lower probability are left out.
-    pub min_probability: f64,
-}
-
 /// Reads a file or folder of a model's points as a document. Its frames are new: what the points
 /// give is a suggestion until a person accepts it. `options` names the
 /// [model](ImportOptions::model).

@@ -8,7 +8,6 @@
 //! | `pnlcalib` | the names of `PnLCalib`'s points and lines, and its files |
 //! | `json_map` | a plain JSON map of pictures, labels and points |
 //! | `scored` | COCO, YOLO and tables with a probability in place of a visibility |
-//! | `sigma` | the σ of a point of which only a probability is stated |
 //! | `outcomes` | what became of the points, for the makers of the model |
 
 mod json_map;
@@ -16,4 +15,3 @@ pub mod layout;
 pub mod outcomes;
 mod pnlcalib;
 mod scored;
-pub mod sigma;

@@ -11,7 +11,7 @@ use touchline_core::solve::Observation;
 /// What became of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PointOutcome {
-    /// Nobody has decided on its frame.
+    /// No person has decided on its frame.
     Open,
     /// A person accepted its frame and left it as the model had it.
     Accepted,

@@ -2,7 +2,8 @@
 //!
 //! ```json
 //! {"kp": {"35": {"x": 0.2375, "y": 0.6138, "p": 0.51}},
-//!  "lines": {"13": {"x_1": 0.23, "y_1": 0.31, "p_1": 0.75, "x_2": 0.24, "y_2": 0.99, "p_2": 0.47}}}
+//!  "lines": {"13": {"x_1": 0.23, "y_1": 0.31, "p_1": 0.75,
+//!                   "x_2": 0.24, "y_2": 0.99, "p_2": 0.47}}}
 //! ```
 //!
 //! Coordinates are shares of the picture. Points are numbered from 1 as the list below has them
@@ -265,8 +266,10 @@ mod tests {
 
     #[test]
     fn points_and_both_ends_of_lines_are_read_with_their_probability_and_computed_points_are_not() {
-        let text = r#"{"kp": {"51": {"x": 0.5, "y": 0.25, "p": 0.5}, "1": {"x": 0, "y": 0, "p": 1.0}},
-            "lines": {"13": {"x_1": 0.25, "y_1": 0.5, "p_1": 0.75, "x_2": 0.5, "y_2": 1, "p_2": 0.4}}}"#;
+        let text = r#"{"kp": {"51": {"x": 0.5, "y": 0.25, "p": 0.5},
+                "1": {"x": 0, "y": 0, "p": 1.0}},
+            "lines": {"13": {"x_1": 0.25, "y_1": 0.5, "p_1": 0.75,
+                "x_2": 0.5, "y_2": 1, "p_2": 0.4}}}"#;
         let files = Files::one("7.json", text.as_bytes().to_vec());
         let options = ImportOptions {
             size: Some(SIZE),

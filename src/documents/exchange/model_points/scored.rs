@@ -152,8 +152,7 @@ impl ClickFormat for ScoredTable {
 mod tests {
     use super::*;
     use crate::exchange::click_formats::clicked_frame::read_alone;
-    use crate::exchange::model_points::layout::PointModel;
-    use crate::exchange::options::ImportOptions;
+    use crate::exchange::options::{ImportOptions, PointModel};
     use touchline_core::geometry::{ImagePoint, ImageSize};
 
     const SIZE: ImageSize = ImageSize::new(1000, 500);
@@ -174,7 +173,8 @@ mod tests {
 
     #[test]
     fn predictions_of_networks_are_read_with_their_probabilities() {
-        let results = r#"[{"image_id": 7, "category_id": 1, "keypoints": [10, 20, 0.5, 0, 0, 0, 30, 40, 1.05], "score": 0.9}]"#;
+        let results = r#"[{"image_id": 7, "category_id": 1, "score": 0.9,
+            "keypoints": [10, 20, 0.5, 0, 0, 0, 30, 40, 1.05]}]"#;
         let found = marks(&ScoredCoco, "results.json", results);
         assert_eq!(found[0].image, ImagePoint::new(10.5, 20.5));
         let found: Vec<(&str, Option<f64>)> = found

@@ -179,15 +179,17 @@ fn homographies(damage: &mut Damage) {
     damage.swap("nan", "-0.2852303786", "NaN");
     damage.swap("infinite", "-0.2852303786", "inf");
     damage.swap("singular", "[0, -0.01592175417, 1]", "[0, 0, 0]");
-    damage.swap("nothing", "\"[[-0.2852303786, 0.01228222517, 117.69701651986], [0.06323405255, 1.01070678755, -824.93520766999], [0, -0.01592175417, 1]]\"", "");
+    damage.swap("no-matrix", "0001.jpg,\"", "0001.jpg,\"\"\n0003.jpg,\"");
     damage.swap("a-frame-twice", "0002.jpg", "0001.jpg");
     damage.swap("leaves-the-folder", "0001.jpg", "../0001.jpg");
     damage.swap("an-open-quote", "]]\"", "]]");
     damage.swap("a-field-more", "0001.jpg,", "0001.jpg,1,");
     damage.swap("a-column-twice", "homography", "image");
-    damage.options("no-plane", |options| options.homographies.plan = None);
+    damage.options("no-plane", |options| {
+        options.homographies.plan = None;
+    });
     damage.options("no-direction", |options| {
-        options.homographies.direction = None
+        options.homographies.direction = None;
     });
 }
 

@@ -1,23 +1,9 @@
 //! The planes that other people's homographies map to: origin, axes and unit.
 
 use super::world_cup_sets::{TEMPLATE_YD, template_from_ground};
-use crate::exchange::options::Pixels;
+use crate::exchange::options::{GroundPlan, MatrixDirection, Pixels};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Mat3, Vec2};
-
-/// A plane with coordinates of the ground, as makers of homographies use one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GroundPlan {
-    /// Metres from the field's centre, x to the right, y away from the camera.
-    CentreMetres,
-    /// Metres from the far left corner, x to the right, y towards the camera.
-    CornerMetres,
-    /// The template of the World Cup 2014 set: yards from the far left corner, y towards the camera.
-    WorldCup2014,
-    /// The court of `ShuttleSet`: px of a drawing whose y runs along the court, the far back line
-    /// above. A camera looks along the court.
-    ShuttleSet,
-}
 
 /// The corners of the court in the first drawing of `ShuttleSet`, px: left, top, right, bottom. The
 /// tables state corners in the picture, which tell a later drawing (2.4 px farther right) from it.
@@ -46,36 +32,7 @@ pub(super) fn shuttle_from_ground(
 }
 
 impl GroundPlan {
-    /// Every plan, in the order of the help.
-    pub const ALL: [Self; 4] = [
-        Self::CentreMetres,
-        Self::CornerMetres,
-        Self::WorldCup2014,
-        Self::ShuttleSet,
-    ];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::CentreMetres => "centre-m",
-            Self::CornerMetres => "corner-m",
-            Self::WorldCup2014 => "wc14",
-            Self::ShuttleSet => "shuttleset",
-        }
-    }
-
-    /// The field that it is usually of.
-    #[must_use]
-    pub const fn usual_field(self) -> &'static str {
-        match self {
-            Self::ShuttleSet => "badminton",
-            _ => "soccer",
-        }
-    }
-
     /// The direction of its matrices, where all of them have one.
-    #[must_use]
     pub(super) const fn usual_direction(self) -> Option<MatrixDirection> {
         match self {
             Self::CentreMetres | Self::CornerMetres => None,
@@ -99,29 +56,6 @@ impl GroundPlan {
             Self::CornerMetres => Mat3::new(1.0, 0.0, half.x, 0.0, -1.0, half.y, 0.0, 0.0, 1.0),
             Self::WorldCup2014 => template_from_ground(TEMPLATE_YD),
             Self::ShuttleSet => shuttle_from_ground(SHUTTLE_COURT_PX, field),
-        }
-    }
-}
-
-/// The direction of a matrix between a picture and the ground.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MatrixDirection {
-    /// From the picture to the ground.
-    PitchFromImage,
-    /// From the ground to the picture.
-    ImageFromPitch,
-}
-
-impl MatrixDirection {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::PitchFromImage, Self::ImageFromPitch];
-
-    /// Its name, as JSON lines of homographies state it.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::PitchFromImage => "pitch_from_image",
-            Self::ImageFromPitch => "image_from_pitch",
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Tables of homographies that do not say what they are: CSV with a matrix a row, JSON lines with
-//! `h` alone, and arrays of `NumPy`. The user says which plane they map to (`--template`) and, where
-//! that does not tell, in which direction. Import only.
+//! `h` alone, and arrays of `NumPy`. The user says which plane they map to (`--template`) and,
+//! where that does not tell, in which direction. Import only.
 //!
 //! A matrix of a table is one field with nine numbers in any brackets, or nine columns `h11` to
-//! `h33`. The columns are found by their names, or `--columns h=NAME,name=NAME` names them. An array
-//! has the shape 3 × 3, or N × 3 × 3 with a frame each.
+//! `h33`. The columns are found by their names, or `--columns h=NAME,name=NAME` names them. An
+//! array has the shape 3 × 3, or N × 3 × 3 with a frame each.
 
 use super::ground_homography::{corner_from, inverse, matrix};
-use super::ground_plan::{GroundPlan, MatrixDirection, SHUTTLE_COURT_PX, shuttle_from_ground};
+use super::ground_plan::{SHUTTLE_COURT_PX, shuttle_from_ground};
 use crate::exchange::cameras::camera_format::{CameraFormat, has_ending};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::unreadable::FrameCollector;
@@ -15,7 +15,7 @@ use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, base_name, text, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
-use crate::exchange::options::ImportOptions;
+use crate::exchange::options::{GroundPlan, HomographyOptions, ImportOptions, MatrixDirection};
 use crate::exchange::syntax::node::{Node, parse, safe_path};
 use crate::exchange::syntax::npy;
 use crate::exchange::syntax::table::{Table, TableRow, numbers};
@@ -25,19 +25,6 @@ use touchline_core::geometry::{Mat3, Vec3};
 
 /// The format.
 pub struct HomographyTables;
-
-/// How homographies are read that do not say what they are.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HomographyOptions {
-    /// The plane that they map to or from.
-    pub plan: Option<GroundPlan>,
-    /// Their direction, where the plan leaves it open.
-    pub direction: Option<MatrixDirection>,
-    /// The column of the matrix; none: found by its name.
-    pub matrix_column: Option<String>,
-    /// The column of the frame's name; none: found by its name.
-    pub name_column: Option<String>,
-}
 
 /// Names of columns with a matrix.
 const MATRIX_COLUMNS: [&str; 5] = ["homography_matrix", "homography", "h", "H", "matrix"];
@@ -105,7 +92,7 @@ impl<'a> Reading<'a> {
         })
     }
 
-    /// The frame of a matrix; `plan_from_ground` is that of its drawing where it has one of its own.
+    /// The frame of a matrix; `plan_from_ground` is that of its drawing, where it has its own.
     fn frame(
         &self,
         name: &str,
@@ -333,8 +320,12 @@ mod tests {
     use touchline_core::geometry::Vec2;
 
     /// The first row of `ShuttleSet`'s table.
-    const SHUTTLE: &str = "id,video,homography_matrix,upleft_x,upright_x,downleft_x,downright_x,upleft_y,upright_y,downleft_y,downright_y\n\
-        1,Finals,\"[[1.0606627138451856, 0.3439667138673875, -497.8978610611467], [0.011919581725440269, 4.586662980083068, -1176.8442597836183], [4.8478780487874024e-06, 0.002012572611469505, 1.0]]\",407.6,867.0,307.2,973.0,308.6,307.4,671.2,669.4\n";
+    const SHUTTLE: &str = "id,video,homography_matrix,upleft_x,upright_x,downleft_x,downright_x,\
+        upleft_y,upright_y,downleft_y,downright_y\n\
+        1,Finals,\"[[1.0606627138451856, 0.3439667138673875, -497.8978610611467], \
+        [0.011919581725440269, 4.586662980083068, -1176.8442597836183], \
+        [4.8478780487874024e-06, 0.002012572611469505, 1.0]]\",\
+        407.6,867.0,307.2,973.0,308.6,307.4,671.2,669.4\n";
 
     fn options(plan: GroundPlan, field: &str) -> ImportOptions {
         ImportOptions {

@@ -12,7 +12,6 @@ mod homography_lines;
 mod homography_tables;
 mod world_cup_sets;
 
-pub use ground_plan::{GroundPlan, MatrixDirection};
 pub use homography_lines::HomographyLines;
-pub use homography_tables::{HomographyOptions, HomographyTables};
+pub use homography_tables::HomographyTables;
 pub use world_cup_sets::{TsWorldCup, Wc14, template_from_ground};

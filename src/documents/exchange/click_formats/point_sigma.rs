@@ -5,8 +5,8 @@ use touchline_core::geometry::ImageSize;
 /// 1-σ of a point of probability 1 in each direction, px at 1920 px width, beside what the field's
 /// own landmarks are off.
 ///
-/// Measured on the points that `PnLCalib` publishes for 186 broadcast pictures: each of 2,516 points
-/// that its network found was compared with a homography of the others. The medians of their
+/// Measured on the points that `PnLCalib` publishes for 186 broadcast pictures: each of the 2,516
+/// points that its network found was compared with a homography of the others. The medians of their
 /// distances, as σ in each direction at 1920 px, beside 1.4 px of the landmarks themselves:
 ///
 /// | probability | .1–.3 | .3–.4 | .4–.5 | .5–.6 | .6–.7 | .7–.8 |

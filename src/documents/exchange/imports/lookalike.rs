@@ -1,9 +1,8 @@
 //! Files of other programs that are known and not imported as they are, with what to do instead.
 
-use super::files::text;
-use super::imports::recognize::ending_of;
-use super::syntax::node::parse;
-use super::syntax::table::Table;
+use crate::exchange::files::{ending_of, text};
+use crate::exchange::syntax::node::parse;
+use crate::exchange::syntax::table::Table;
 
 /// A kind of file that is known and has no format of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +24,7 @@ const LENS_COLUMNS: [&str; 2] = ["Focal Length (mm)", "FocalLength"];
 
 impl Lookalike {
     /// What a file is; none where it is none of these.
-    pub(in crate::exchange) fn from_file(name: &str, bytes: &[u8]) -> Option<Self> {
+    pub fn from_file(name: &str, bytes: &[u8]) -> Option<Self> {
         match ending_of(name).as_str() {
             "csv" => Self::from_table(bytes),
             "json" => Self::from_json(bytes),
@@ -72,15 +71,16 @@ impl Lookalike {
     pub const fn hint(self) -> &'static str {
         match self {
             Self::ModelPoints => {
-                "these are points that a model found: give --points PATH --layout pnlcalib in place of it"
+                "these are points that a model found: give --points PATH --layout pnlcalib in place of \
+                 it"
             }
             Self::PlacedPoints => {
-                "its points are named by their place: write them as a table frame,label,x,y with the \
-                 names that `touchline fields soccer` lists"
+                "its points are named by their place: write them as a table frame,label,x,y with \
+                 the names that `touchline fields soccer` lists"
             }
             Self::ControlPoints => {
-                "control points of a survey are on no field: make a template with them as landmarks \
-                 (`touchline fields soccer --json` shows one), and a table frame,label,x,y"
+                "control points of a survey are on no field: make a template with them as \
+                 landmarks (`touchline fields soccer --json` shows one), and a table frame,label,x,y"
             }
             Self::LensData => {
                 "a table of focal lengths says neither pan nor tilt: make a project of the video \
