@@ -72,7 +72,7 @@
 //! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round`, `at?` ([`Repeat`]) |
 //! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
 //! | `clicks` | `landmark` or `line`, `image_px`, `check?`, `snapped_sigma_px?`: moved to the paint, known to this 1-σ ([`Click`]) |
-//! | `clicks[].origin?` | of a point that another program's model gave: `name` (`model:NAME`), `label?`, `probability?`, `sigma_px?`, `given_px?`: where the model had it before a person moved it ([`ClickOrigin`]) |
+//! | `clicks[].origin?` | of a point that another program's model gave ([`ClickOrigin`]) |
 //! | `refused_points?` | points of models that a person took away; no labels |
 //! | `masks_px?` | boxes that give no features in this frame, px |
 //! | `labels_name?` | its name in another program's files, where that is not its picture's |

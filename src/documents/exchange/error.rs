@@ -58,7 +58,11 @@ pub enum ExchangeError {
         wanted: &'static str,
     },
     /// Files are of no known format.
-    #[error("{}: no format is recognized; {}", path.display(), hint.unwrap_or_else(|| hint_for(path)))]
+    #[error(
+        "{}: no format is recognized; {}",
+        path.display(),
+        hint.unwrap_or_else(|| hint_for(path))
+    )]
     UnknownFormat {
         /// The file or folder.
         path: PathBuf,

@@ -71,8 +71,8 @@ impl Lookalike {
     pub const fn hint(self) -> &'static str {
         match self {
             Self::ModelPoints => {
-                "these are points that a model found: give --points PATH --layout pnlcalib in place of \
-                 it"
+                "these are points that a model found: give --points PATH --layout pnlcalib in \
+                 place of it"
             }
             Self::PlacedPoints => {
                 "its points are named by their place: write them as a table frame,label,x,y with \
@@ -80,7 +80,8 @@ impl Lookalike {
             }
             Self::ControlPoints => {
                 "control points of a survey are on no field: make a template with them as \
-                 landmarks (`touchline fields soccer --json` shows one), and a table frame,label,x,y"
+                 landmarks (`touchline fields soccer --json` shows one), and a table \
+                 frame,label,x,y"
             }
             Self::LensData => {
                 "a table of focal lengths says neither pan nor tilt: make a project of the video \
