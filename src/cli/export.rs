@@ -5,8 +5,8 @@ use super::dataset::{DatasetArgs, write_dataset};
 use super::relocalize::probability;
 use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
 use crate::cli::terminal::messages::Messages;
-use crate::cli::terminal::output::{print, refuse_existing};
-use anyhow::{Context as _, bail};
+use crate::cli::terminal::output::{ending, print, refuse_existing};
+use anyhow::{Context as _, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;
 use touchline_core::files::read_named_text;
@@ -307,6 +307,16 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
     }
 }
 
+/// Refuses the name of a spreadsheet, which no format writes: programs would refuse the file.
+fn refuse_spreadsheet(path: Option<&Path>) -> anyhow::Result<()> {
+    let ending = path.map(ending).unwrap_or_default();
+    ensure!(
+        !matches!(ending.as_str(), "xlsx" | "xls" | "ods" | "parquet"),
+        "no format writes .{ending}; export --format csv -o NAME.csv, which such programs open"
+    );
+    Ok(())
+}
+
 /// Exports the document. [`Outcome::SomeFailed`] if frames had to be left out.
 ///
 /// # Errors
@@ -315,6 +325,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     args.refuse_options()?;
     let input = &args.document.document;
     args.output.refuse_input(input)?;
+    refuse_spreadsheet(args.output.output.as_deref())?;
     // A document is written as such, and locked until then; all else by `exported.write` below.
     let output = if args.format == Some(Format::Json) {
         args.output.reserve("export", &[], messages)?

@@ -5,10 +5,12 @@ use super::export::{
     MAX_TABLE_BYTES, format_parser, given_options, parse_size, parse_width, zoom_of,
 };
 use super::new::{parameter, parse_stride, read_field};
+use super::relocalize::probability;
 use crate::cli::terminal::attached_labels::{attach_to_video, open_video, read_labels, recognize};
 use crate::cli::terminal::document::DocumentOutput;
 use crate::cli::terminal::messages::{Messages, count_steps};
 use anyhow::Context as _;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::give_own_cameras;
@@ -16,14 +18,30 @@ use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_documents::document::Document;
 use touchline_documents::exchange::{
-    Direction, Format, FormatOption, ImportOptions, LabelMap, Pixels,
+    Direction, Format, FormatOption, GroundPlan, HomographyOptions, ImportOptions, LabelMap,
+    MatrixDirection, Pixels, PointLayout, PointModel, import_points,
 };
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
 pub struct ImportArgs {
     /// The file or folder.
-    path: PathBuf,
+    #[arg(required_unless_present = "points")]
+    path: Option<PathBuf>,
+    /// A file or folder with points that a model found, in place of labels of people: clicks of the
+    /// origin `model:NAME`, each with its σ, which start suggestions.
+    #[arg(long, value_name = "PATH", requires = "layout", conflicts_with_all = ["path", "format"])]
+    points: Option<PathBuf>,
+    /// The layout of the points.
+    #[arg(long, requires = "points", value_parser = layout_parser())]
+    layout: Option<PointLayout>,
+    /// The name of the model; without it that of the layout.
+    #[arg(long, value_name = "NAME", requires = "points")]
+    model: Option<String>,
+    /// Points of a lower probability are left out.
+    #[arg(long, value_name = "P", default_value = "0", requires = "points")]
+    #[arg(value_parser = probability)]
+    min_probability: f64,
     /// Its format; without it the format is recognized by endings and contents.
     #[arg(long, value_parser = format_parser(Direction::Import))]
     format: Option<Format>,
@@ -74,13 +92,115 @@ pub struct ImportArgs {
     /// The width of the camera's sensor, mm.
     #[arg(long, value_parser = parse_width)]
     sensor_mm: Option<f64>,
+    /// The plane of homographies that do not say it: metres from the field's centre or from its far
+    /// left corner, or the template of a set.
+    #[arg(long, value_parser = template_parser())]
+    template: Option<GroundPlan>,
+    /// The direction of homographies that do not say it.
+    #[arg(long, value_parser = direction_parser())]
+    direction: Option<MatrixDirection>,
+    /// The columns of a table of homographies: h=NAME for the matrix, name=NAME for the frame.
+    #[arg(long, value_name = "ROLE=NAME", value_delimiter = ',', value_parser = parse_column)]
+    columns: Vec<(ColumnRole, String)>,
     /// Each picture is of a camera of its own: position, rotation, lens and focal length are found
     /// from its lines.
     #[arg(long)]
     each_own_camera: bool,
 }
 
+/// Reads a layout of points by its name; the help lists them.
+fn layout_parser() -> impl TypedValueParser<Value = PointLayout> {
+    let names = PossibleValuesParser::new(PointLayout::ALL.map(PointLayout::name));
+    names.try_map(|name| {
+        let layout = PointLayout::ALL
+            .into_iter()
+            .find(|layout| layout.name() == name);
+        layout.ok_or("not a layout of points")
+    })
+}
+
+/// Reads the plane of homographies by its name; the help lists them.
+fn template_parser() -> impl TypedValueParser<Value = GroundPlan> {
+    let names = PossibleValuesParser::new(GroundPlan::ALL.map(GroundPlan::name));
+    names.try_map(|name| {
+        let plan = GroundPlan::ALL.into_iter().find(|plan| plan.name() == name);
+        plan.ok_or("not a plane of homographies")
+    })
+}
+
+/// Reads the direction of homographies by its name.
+fn direction_parser() -> impl TypedValueParser<Value = MatrixDirection> {
+    let names = PossibleValuesParser::new(MatrixDirection::ALL.map(MatrixDirection::name));
+    names.try_map(|name| {
+        let direction = MatrixDirection::ALL
+            .into_iter()
+            .find(|direction| direction.name() == name);
+        direction.ok_or("not a direction of homographies")
+    })
+}
+
+/// What a column of a table of homographies holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ColumnRole {
+    Matrix,
+    Name,
+}
+
+/// A column with what it holds, such as `h=homography_matrix`.
+fn parse_column(text: &str) -> Result<(ColumnRole, String), String> {
+    match text.split_once('=') {
+        Some(("h", name)) if !name.is_empty() => Ok((ColumnRole::Matrix, name.to_owned())),
+        Some(("name", name)) if !name.is_empty() => Ok((ColumnRole::Name, name.to_owned())),
+        _ => Err("h=NAME or name=NAME is expected".to_owned()),
+    }
+}
+
+/// What is read: labels in a format, or points of a model.
+enum Source {
+    Labels(Format),
+    Points(PointLayout, PointModel),
+}
+
 impl ImportArgs {
+    /// The file or folder that is read.
+    fn source_path(&self) -> &Path {
+        let path = self.points.as_ref().or(self.path.as_ref());
+        // One of the two is required.
+        path.map_or(Path::new(""), PathBuf::as_path)
+    }
+
+    /// The field that the files usually show.
+    fn usual_field(&self, source: &Source) -> &'static str {
+        match (source, self.template) {
+            (_, Some(plan)) => plan.usual_field(),
+            (Source::Labels(format), None) => format.usual_field(),
+            (Source::Points(..), None) => "soccer",
+        }
+    }
+
+    /// The name of the column that has a role, where one was given.
+    fn column(&self, role: ColumnRole) -> Option<String> {
+        let mut columns = self.columns.iter();
+        let found = columns.find(|(given, _)| *given == role);
+        found.map(|(_, name)| name.clone())
+    }
+
+    /// What is read, after options that it does not take were refused.
+    fn source(&self, messages: Messages) -> anyhow::Result<Source> {
+        let Some(layout) = self.layout else {
+            let format = recognize(self.format, self.source_path(), messages)?;
+            format.refuse_options(self.list_options(), Direction::Import)?;
+            return Ok(Source::Labels(format));
+        };
+        layout.refuse_options(self.list_options())?;
+        let name = self.model.clone();
+        let model = PointModel {
+            name: name.unwrap_or_else(|| layout.name().to_owned()),
+            min_probability: self.min_probability,
+        };
+        Ok(Source::Points(layout, model))
+    }
+
     /// The options that were given and that only some formats take.
     fn list_options(&self) -> Vec<FormatOption> {
         given_options(&[
@@ -96,6 +216,9 @@ impl ImportArgs {
             (FormatOption::SensorMm, self.sensor_mm.is_some()),
             (FormatOption::EachOwnCamera, self.each_own_camera),
             (FormatOption::StretchedFrom, self.stretched_from.is_some()),
+            (FormatOption::Template, self.template.is_some()),
+            (FormatOption::Direction, self.direction.is_some()),
+            (FormatOption::Columns, !self.columns.is_empty()),
         ])
     }
 }
@@ -155,12 +278,12 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
 /// # Errors
 /// The files cannot be read or are damaged, or the document cannot be written.
 pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    let output = args.output.reserve("import", &[&args.path], messages)?;
-    let format = recognize(args.format, &args.path, messages)?;
-    format.refuse_options(args.list_options(), Direction::Import)?;
+    let path = args.source_path();
+    let output = args.output.reserve("import", &[path], messages)?;
+    let source = args.source(messages)?;
     let video = args.video.as_deref();
     let video = video.map(|video| open_video(video, messages)).transpose()?;
-    let field = args.field.as_deref().unwrap_or(format.usual_field());
+    let field = args.field.as_deref().unwrap_or(args.usual_field(&source));
     let options = ImportOptions {
         field: read_field(field, &args.set)?,
         images: args.images.clone(),
@@ -181,8 +304,21 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         annotator: args.annotator.clone(),
         sensor_width_mm: args.sensor_mm,
         zoom: args.zoom.as_deref().map(zoom_of).transpose()?,
+        homographies: HomographyOptions {
+            plan: args.template,
+            direction: args.direction,
+            matrix_column: args.column(ColumnRole::Matrix),
+            name_column: args.column(ColumnRole::Name),
+        },
+        model: match &source {
+            Source::Labels(_) => None,
+            Source::Points(_, model) => Some(model.clone()),
+        },
     };
-    let imported = read_labels(&args.path, format, &options, messages)?;
+    let imported = match source {
+        Source::Labels(format) => read_labels(path, format, &options, messages)?,
+        Source::Points(layout, _) => import_points(path, layout, &options)?,
+    };
     let (mut document, notes) = match video {
         Some(video) => {
             let attached = attach_to_video(video, &imported, options.field, args.every)?;

@@ -21,6 +21,7 @@ mod measuring;
 mod mend;
 mod merge;
 mod new;
+mod points;
 mod refine_base;
 mod relocalize;
 mod render;
@@ -62,11 +63,12 @@ enum Command {
     Experiment(measuring::experiment::ExperimentArgs),
     Export(Box<export::ExportArgs>),
     Fields(fields::FieldsArgs),
-    Import(import::ImportArgs),
+    Import(Box<import::ImportArgs>),
     Mend(mend::MendArgs),
     Merge(merge::MergeArgs),
     New(new::NewArgs),
     Plan(season::plan::PlanArgs),
+    Points(points::PointsArgs),
     RefineBase(refine_base::RefineBaseArgs),
     Relocalize(relocalize::RelocalizeArgs),
     Render(render::RenderArgs),
@@ -156,6 +158,7 @@ pub fn run() -> Next {
         Command::Merge(args) => merge::merge(&args, messages),
         Command::New(args) => new::new(&args, messages),
         Command::Plan(args) => season::plan::plan(&args, messages),
+        Command::Points(args) => points::points(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),
         Command::Render(args) => {
@@ -244,8 +247,49 @@ fn wrong_usage(error: &clap::Error) -> ExitCode {
     } else {
         Messages::Text
     };
-    messages.error(&usage_line(error));
+    let first = std::env::args().nth(1);
+    let misspelt = first.and_then(|first| describe_misspelt(&first));
+    messages.error(&misspelt.unwrap_or_else(|| usage_line(error)));
     ExitCode::from(2)
+}
+
+/// The message that a word in the place of a command is nearly one; none where it is not, or where
+/// a document of this name lies there.
+fn describe_misspelt(word: &str) -> Option<String> {
+    /// Letters that may be missing, wrong or too many.
+    const MOST_WRONG: usize = 2;
+    let program = Cli::command();
+    let names: Vec<&str> = program
+        .get_subcommands()
+        .map(clap::Command::get_name)
+        .collect();
+    if names.contains(&word) || std::path::Path::new(word).exists() {
+        return None;
+    }
+    let meant = names
+        .iter()
+        .find(|name| count_edits(word, name) <= MOST_WRONG.min(name.len() / 2))?;
+    Some(format!(
+        "there is no command {word:?}; `touchline {meant}` may be meant"
+    ))
+}
+
+/// How many letters have to be put in, taken out or replaced to make one word of another
+/// (Levenshtein's distance).
+fn count_edits(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    // The distances of what was read of `from` to each beginning of `to`.
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (read, letter) in from.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = read + 1;
+        for (index, other) in to.iter().enumerate() {
+            let replaced = diagonal + usize::from(letter != *other);
+            diagonal = row[index + 1];
+            row[index + 1] = replaced.min(row[index] + 1).min(diagonal + 1);
+        }
+    }
+    row[to.len()]
 }
 
 /// One line about wrong arguments, without clap's usage text.
@@ -262,6 +306,15 @@ fn usage_line(error: &clap::Error) -> String {
         .collect::<Vec<_>>()
         .join(" ");
     let what = what.strip_prefix("error: ").unwrap_or(&what);
+    // The advice to put `--` before a number below zero is for a place of its own; that of an
+    // option stands behind `=`.
+    let is_number = |tip: &str| tip.as_bytes().get(2).is_some_and(u8::is_ascii_digit);
+    let what = match what.split_once(" tip: to pass ") {
+        Some((what, tip)) if is_number(tip) => {
+            format!("{what}; a number below zero is written behind =, as in --frame=-1")
+        }
+        _ => what.to_owned(),
+    };
     format!("{what}; see touchline --help")
 }
 
@@ -276,8 +329,17 @@ pub fn usage_message<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Option
 
 #[cfg(test)]
 mod tests {
-    use super::describe_error;
+    use super::{count_edits, describe_error, describe_misspelt};
     use anyhow::Context as _;
+
+    #[test]
+    fn a_misspelt_command_names_the_one_that_is_meant() {
+        assert_eq!(count_edits("sovle", "solve"), 2);
+        let said = describe_misspelt("sovle").unwrap();
+        assert!(said.contains("`touchline solve`"), "{said}");
+        assert_eq!(describe_misspelt("solve"), None);
+        assert_eq!(describe_misspelt("match.json"), None);
+    }
 
     #[cfg(target_os = "linux")]
     #[test]

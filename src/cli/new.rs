@@ -5,7 +5,7 @@ use super::export::{parse_finite, parse_size};
 use super::stretched::write_unstretched;
 use crate::cli::terminal::document::refuse_unwritable;
 use crate::cli::terminal::messages::{Messages, count_steps};
-use crate::cli::terminal::output::{refuse_existing, refuse_file};
+use crate::cli::terminal::output::{ending, refuse_existing, refuse_file};
 use anyhow::{bail, ensure};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::{ImageSize, pluralise};
@@ -74,6 +74,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     if let Some(outcome) = add_new_images(args, messages)? {
         return Ok(outcome);
     }
+    refuse_swapped(args)?;
     refuse_existing(&args.folder, args.force)?;
     refuse_other_file(&args.folder.join(PROJECT_FILE))?;
     refuse_file(&args.folder, "the project")?;
@@ -114,6 +115,19 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
         pluralise(made.document.frames.len(), "frame")
     ));
     Ok(Outcome::from_failure(!made.left_out.is_empty()))
+}
+
+/// Refuses a video in the place of the project's folder: the two were exchanged.
+fn refuse_swapped(args: &NewArgs) -> anyhow::Result<()> {
+    /// Endings of videos.
+    const VIDEOS: [&str; 5] = ["mp4", "mov", "mkv", "avi", "ts"];
+    let is_video = args.folder.is_file() && VIDEOS.contains(&ending(&args.folder).as_str());
+    ensure!(
+        !is_video,
+        "{} is a video, and the project's folder comes first: touchline new FOLDER --frames {0}",
+        args.folder.display()
+    );
+    Ok(())
 }
 
 /// Adds the images that came to the folder since the project was made of it, where that is what the

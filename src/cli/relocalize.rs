@@ -90,6 +90,11 @@ pub(super) fn probability(text: &str) -> Result<f64, String> {
 pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let output = reserve(args, messages)?;
     let interrupt = Interrupt::listen();
+    ensure!(
+        !args.forest.is_dir(),
+        "{} is a folder, and the forest comes first: touchline relocalize FOREST DOC",
+        args.forest.display()
+    );
     let bytes = read_named(&args.forest, MAX_FOREST_BYTES)
         .with_context(|| format!("cannot read {}", args.forest.display()))?;
     let model =

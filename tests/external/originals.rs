@@ -4,11 +4,14 @@ use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use touchline::document::{Document, document_from_bytes};
+use touchline::document::{Document, Frame, FrameStatus, document_from_bytes};
 use touchline::geometry::{ImagePoint, Mat3, Vec3};
 
 pub const TESTS: &[Test] = tests![
     [Frames] all_cameras_of_the_basketball_challenge_are_read_as_one_a_place;
+    [Frames] homographies_of_badminton_courts_show_the_corners_that_they_state;
+    [Frames] points_of_a_model_are_read_and_give_cameras;
+    [Frames] files_without_a_format_say_what_to_do_instead;
 ];
 
 /// A published file.
@@ -79,4 +82,84 @@ fn all_cameras_of_the_basketball_challenge_are_read_as_one_a_place() {
     );
     assert!(worst.0 < 0.47, "{worst:?}");
     assert!(said.contains("the nearest camera is taken"), "{said}");
+}
+
+fn homographies_of_badminton_courts_show_the_corners_that_they_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = original("badminton-shuttleset-homography.csv");
+    let (document, said) = import(
+        folder.path(),
+        &format!(
+            "{} --format homographies --template shuttleset --size 1280x720",
+            path.to_str().unwrap()
+        ),
+        1,
+    );
+    // Broadcast lenses bend a little: the cameras that miss their homography are said.
+    assert_eq!(document.frames.len(), 44, "{said}");
+    assert!(
+        document.frames.iter().all(|frame| frame.ptz.is_some()),
+        "{said}"
+    );
+    let worst = document.frames.iter().map(|frame| {
+        let camera = document.ptz_camera(frame).unwrap();
+        assert!(
+            camera.base().position_m.x < -10.0,
+            "behind the left end: {}",
+            frame.name()
+        );
+        camera.base().position_m.z
+    });
+    assert!(worst.fold(f64::INFINITY, f64::min) > 2.0);
+}
+
+fn points_of_a_model_are_read_and_give_cameras() {
+    let folder = tempfile::tempdir().unwrap();
+    let zip = original("soccer-pnlcalib-wc14-2d-test_pred.zip");
+    let unpacked = folder.path().join("points");
+    let status = std::process::Command::new("unzip")
+        .args([
+            "-q",
+            zip.to_str().unwrap(),
+            "-d",
+            unpacked.to_str().unwrap(),
+        ])
+        .status();
+    if !status.is_ok_and(|status| status.success()) {
+        eprintln!("no unzip: the points of PnLCalib were not tried");
+        return;
+    }
+    let arguments = "--points points --layout pnlcalib --size 1280x720 --each-own-camera";
+    let (document, said) = import(folder.path(), arguments, 0);
+    let solved = document.frames.iter().filter(|frame| frame.ptz.is_some());
+    assert_eq!(
+        (document.frames.len(), solved.count()),
+        (186, 186),
+        "{said}"
+    );
+    let is_suggested = |frame: &Frame| frame.status == FrameStatus::Suggested;
+    assert!(document.frames.iter().all(|frame| is_suggested(frame)));
+}
+
+fn files_without_a_format_say_what_to_do_instead() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, wanted) in [
+        (
+            "soccer-sportslabkit-keypoints.json",
+            "a table frame,label,x,y",
+        ),
+        ("ptz-survey-gcp.json", "make a template"),
+        ("ptz-survey-map-points.json", "make a template"),
+        ("lens-venice-frames.csv", "says neither pan nor tilt"),
+        ("lens-canon-frames.csv", "says neither pan nor tilt"),
+        ("badminton-shuttleset-homography.csv", "give --template"),
+    ] {
+        let path = original(name);
+        let ran = touchline(
+            folder.path(),
+            &format!("import {} -o out.json", path.to_str().unwrap()),
+        );
+        assert_eq!(ran.code, 2, "{name}");
+        assert!(ran.stderr.contains(wanted), "{name}: {}", ran.stderr);
+    }
 }

@@ -25,6 +25,8 @@ const RIM: Colour = Colour {
 };
 /// Colour of a click that is used in the solve.
 pub const CLICK: Colour = Colour::rgb(90, 225, 255);
+/// The colour of a point that a model gave, and of the circle of its 1-σ.
+pub const MODEL: Colour = Colour::rgb(200, 160, 255);
 /// Colour of the selected click.
 pub const SELECTED: Colour = Colour::rgb(255, 255, 255);
 /// Colour of a check click, which the solve does not use.
@@ -123,6 +125,8 @@ pub fn click_colour(click: &Click, disputed: bool) -> Colour {
         UNNAMED
     } else if click.check {
         CHECK
+    } else if click.is_by_model() {
+        MODEL
     } else {
         CLICK
     }
@@ -132,7 +136,7 @@ pub fn click_colour(click: &Click, disputed: bool) -> Colour {
 /// a check.
 pub(super) fn marker_colour(click: &Click, disputed: bool, selected: bool) -> Colour {
     match click_colour(click, disputed) {
-        CLICK if selected => SELECTED,
+        CLICK | MODEL if selected => SELECTED,
         colour => colour,
     }
 }
@@ -284,6 +288,26 @@ pub(super) fn is_clicked(clicks: &[Click], landmark: &LandmarkId) -> bool {
     targets.any(|target| matches!(target, Target::Landmark(id) if id == landmark))
 }
 
+/// The circle of 1 σ about a model's point.
+fn sigma_circle(middle: ImagePoint, sigma_px: f64) -> Stroke {
+    /// Corners of the polygon that is drawn for it.
+    const CORNERS: u32 = 24;
+    let corner = |index: u32| {
+        let (sin, cos) = (f64::from(index) / f64::from(CORNERS) * std::f64::consts::TAU).sin_cos();
+        drawing_point(ImagePoint::new(
+            middle.x + sigma_px * cos,
+            middle.y + sigma_px * sin,
+        ))
+    };
+    Stroke {
+        points: (0..=CORNERS).map(corner).collect(),
+        colour: MODEL,
+        width_pt: 1.0,
+        outline: None,
+        dash: None,
+    }
+}
+
 fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let mut whiskers = Vec::new();
     for (index, click) in scene
@@ -314,6 +338,9 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
                 dash: None,
             });
         }
+        if let Some(sigma_px) = click.model_origin().and_then(|origin| origin.sigma_px) {
+            whiskers.push(sigma_circle(click.image, sigma_px));
+        }
         let marker = Marker {
             at: drawing_point(click.image),
             shape: match click.target.as_ref().and_then(Target::line) {
@@ -323,7 +350,11 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
             },
             colour,
             radius_pt: if selected { 11.0 } else { 9.0 },
-            line_pt: if selected { 2.0 } else { 1.5 },
+            line_pt: match (selected, click.is_by_model()) {
+                (true, _) => 2.0,
+                (false, true) => 1.0,
+                (false, false) => 1.5,
+            },
             outline: Some(rim(1.0)),
         };
         drawing.markers.push(marker);

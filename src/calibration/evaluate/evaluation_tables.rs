@@ -2,7 +2,7 @@
 
 use super::{Evaluation, FrameGroup, GroupKind, Measure};
 use std::fmt::Write as _;
-use touchline_core::geometry::Angle;
+use touchline_core::geometry::{Angle, ImageSize};
 use touchline_core::score::Summary;
 use touchline_documents::report::figure::{Axis, Figure, Line, Mark, Series};
 use touchline_documents::report::{Cell, Column, Report, Table};
@@ -110,6 +110,15 @@ pub fn frame_scores(evaluation: &Evaluation) -> Table {
     table
 }
 
+/// Sizes of pictures in words: "1280 × 720, 960 × 540".
+fn describe_sizes(sizes: &[ImageSize]) -> String {
+    let sizes: Vec<String> = sizes
+        .iter()
+        .map(|size| format!("{} × {}", size.width, size.height))
+        .collect();
+    sizes.join(", ")
+}
+
 /// All frames together by measure, then group by group, as text and tables in the format of
 /// `write`.
 #[must_use]
@@ -121,10 +130,11 @@ pub fn evaluation_tables(groups: &[FrameGroup], write: fn(&Table) -> String) -> 
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{} of {} frames have a camera (completeness {:.3}).\n",
+        "{} of {} frames have a camera (completeness {:.3}); px are of pictures of {}.\n",
         all.scored,
         all.frames,
-        all.completeness()
+        all.completeness(),
+        describe_sizes(&all.image_sizes)
     );
     text.push_str(&write(&summary_table(all)));
     if let Some(coverage) = &all.coverage {

@@ -91,7 +91,8 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         (
             "a picture",
             b"\x89PNG\r\n\x1a\n".to_vec(),
-            "not UTF-8 text (byte 0); a document is a JSON file",
+            "it is a picture, and a document is a JSON file; `touchline new FOLDER --frames \
+             ITS_FOLDER --field SPORT` makes a project of pictures",
         ),
         (
             "nested too deeply",

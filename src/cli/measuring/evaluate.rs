@@ -206,6 +206,7 @@ fn group_json(group: &FrameGroup) -> Value {
     let mut value = json!({
         "by": group.kind.key(),
         "name": group.name,
+        "image_sizes_px": group.image_sizes,
         "frames": group.frames,
         "scored": group.scored,
         "completeness": group.completeness(),

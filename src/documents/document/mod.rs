@@ -72,6 +72,8 @@
 //! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round`, `at?` ([`Repeat`]) |
 //! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
 //! | `clicks` | `landmark` or `line`, `image_px`, `check?`, `snapped_sigma_px?`: moved to the paint, known to this 1-σ ([`Click`]) |
+//! | `clicks[].origin?` | of a point that another program's model gave ([`ClickOrigin`]) |
+//! | `refused_points?` | points of models that a person took away; no labels |
 //! | `masks_px?` | boxes that give no features in this frame, px |
 //! | `labels_name?` | its name in another program's files, where that is not its picture's |
 //! | `lens?` | what its lens is known to be before it is solved: `focal_px`, `principal_point_px`, `k1?`, `k2?` ([`FrameLens`]) |
@@ -107,6 +109,7 @@ mod fields;
 mod frame_state;
 mod model;
 mod new_images;
+mod path_hint;
 mod paths;
 mod shots;
 mod text;
@@ -130,6 +133,7 @@ pub use model::camera::{Camera, CameraSigma, Distortion, K1Curve, Stage};
 pub use model::camera_id::CameraId;
 pub use model::click::{Click, Target};
 pub use model::click_noise::{ClickNoise, StoredClickNoise};
+pub use model::click_origin::ClickOrigin;
 pub use model::document::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
 pub use model::extra::Extra;
 pub use model::field_spec::{CROWN, FieldSize, FieldSpec};
@@ -147,6 +151,7 @@ pub use model::solution::{
     TimingsMs,
 };
 pub use new_images::FolderChanges;
+pub use path_hint::hint_for_missing;
 pub use paths::{path_between, resolve_path};
 pub use shots::shots;
 pub use text::read::{ReadError, document_from_bytes};

@@ -1,7 +1,7 @@
 //! Errors of imports and exports.
 
 use super::format::Format;
-use crate::document::OtherPictures;
+use crate::document::{OtherPictures, hint_for_missing};
 use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use touchline_vision::media::MediaError;
 #[non_exhaustive]
 pub enum ExchangeError {
     /// A file or folder cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {source}{}", path.display(), describe_missing(path, source))]
     Read {
         /// Which.
         path: PathBuf,
@@ -58,10 +58,16 @@ pub enum ExchangeError {
         wanted: &'static str,
     },
     /// Files are of no known format.
-    #[error("{}: no format is recognized; {}", path.display(), hint_for(path))]
+    #[error(
+        "{}: no format is recognized; {}",
+        path.display(),
+        hint.unwrap_or_else(|| hint_for(path))
+    )]
     UnknownFormat {
         /// The file or folder.
         path: PathBuf,
+        /// What to do with it, where it is known and has no format.
+        hint: Option<&'static str>,
     },
     /// Files are of several formats.
     #[error("{}: the files may be {}; give --format", path.display(), either(formats))]
@@ -583,6 +589,12 @@ fn hint_for(path: &Path) -> &'static str {
         }
         _ => "give --format",
     }
+}
+
+/// What is probably meant by a path at which nothing lies; empty where its text does not show that.
+fn describe_missing(path: &Path, source: &io::Error) -> String {
+    let hint = hint_for_missing(path).filter(|_| source.kind() == io::ErrorKind::NotFound);
+    hint.map(|hint| format!("; {hint}")).unwrap_or_default()
 }
 
 /// The names of formats as alternatives: "a, b or c"; empty for none.

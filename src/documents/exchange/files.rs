@@ -30,6 +30,13 @@ pub fn folder_prefix(path: &str) -> &str {
     path.rfind('/').map_or("", |at| &path[..=at])
 }
 
+/// A file's ending in small letters; empty where it has none.
+#[must_use]
+pub fn ending_of(name: &str) -> String {
+    let ending = base_name(name).rsplit_once('.').map(|(_, ending)| ending);
+    ending.unwrap_or_default().to_ascii_lowercase()
+}
+
 /// A file's name or path without the ending.
 pub fn without_ending(path: &str) -> &str {
     path.rsplit_once('.').map_or(path, |(stem, _)| stem)

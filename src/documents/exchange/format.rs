@@ -32,6 +32,8 @@ pub enum Format {
     TsWorldCup,
     /// Homographies as JSON lines that state their direction and units.
     Homography,
+    /// Tables of homographies that do not say what they are.
+    Homographies,
     /// `BroadTrack`'s JSON.
     BroadTrack,
     /// COLMAP's text files.

@@ -63,12 +63,19 @@ pub enum FormatOption {
     EachOwnCamera,
     /// The size of the pictures before they were stretched.
     StretchedFrom,
+    /// The plane of homographies.
+    Template,
+    /// The direction of homographies.
+    Direction,
+    /// The columns of a table.
+    Columns,
 }
 
 use FormatOption::{
-    Annotator, Automated, EachOwnCamera, Field, Fps, Images, Interpolate, Map, MatchId, Names,
-    Outside, Perspective, Pixels, Projected, Rotations, SensorMm, Set, Size, SkipUnmapped,
-    StageHeading, StageOrigin, Start, StartTime, StretchedFrom, Takes, Undistorted, Variant, Zoom,
+    Annotator, Automated, Columns, Direction as MatrixDirection, EachOwnCamera, Field, Fps, Images,
+    Interpolate, Map, MatchId, Names, Outside, Perspective, Pixels, Projected, Rotations, SensorMm,
+    Set, Size, SkipUnmapped, StageHeading, StageOrigin, Start, StartTime, StretchedFrom, Takes,
+    Template, Undistorted, Variant, Zoom,
 };
 
 /// What every export of cameras takes.
@@ -105,7 +112,7 @@ pub enum Direction {
 
 impl FormatOption {
     /// Every option.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 31] = [
         Size,
         Variant,
         Undistorted,
@@ -134,6 +141,9 @@ impl FormatOption {
         Set,
         EachOwnCamera,
         StretchedFrom,
+        Template,
+        MatrixDirection,
+        Columns,
     ];
 
     /// Its name on the command line, behind two hyphens.
@@ -168,6 +178,9 @@ impl FormatOption {
             Set => "set",
             EachOwnCamera => "each-own-camera",
             StretchedFrom => "stretched-from",
+            Template => "template",
+            MatrixDirection => "direction",
+            Columns => "columns",
         }
     }
 }

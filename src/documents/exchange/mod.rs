@@ -22,6 +22,7 @@ mod files;
 mod format;
 mod format_options;
 mod imports;
+mod model_points;
 mod options;
 mod rate;
 mod registry;
@@ -35,6 +36,7 @@ pub use authors_mat::{
     read_authors_sequence,
 };
 pub use camera_formats::homography_files::template_from_ground;
+pub use click_formats::point_sigma::sigma_by_probability_px;
 pub use error::{ExchangeError, Problem};
 pub use exports::dataset::{
     DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame,
@@ -56,9 +58,11 @@ pub use imports::imported::Imported;
 pub use imports::join::{JoinedImport, JoinedPair, join};
 pub use imports::picture_points::{PicturePoints, read_picture_points};
 pub use imports::recognize::recognize_format;
+pub use model_points::layout::{PointLayout, import_points};
+pub use model_points::outcomes::{PointOutcome, point_outcomes};
 pub use options::{
-    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource,
-    Recording, Rotations, Zoom,
+    ExportOptions, FrameChoice, Gaps, GroundPlan, HomographyOptions, ImportOptions, KeypointNames,
+    LabelMap, MatrixDirection, Pixels, PointModel, PointSource, Recording, Rotations, Zoom,
 };
 pub use rate::Rate;
 pub use timecode::Timecode;

@@ -163,6 +163,19 @@ pub struct ImportOptions {
     pub zoom: Option<Zoom>,
     /// The width of the sensor, mm.
     pub sensor_width_mm: Option<f64>,
+    /// What homographies mean that do not say it.
+    pub homographies: HomographyOptions,
+    /// The model that found the points; none where people placed them.
+    pub model: Option<PointModel>,
+}
+
+/// The model whose points are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointModel {
+    /// Its name; the origin of its points is `model:` and this.
+    pub name: String,
+    /// Points of a lower probability are left out.
+    pub min_probability: f64,
 }
 
 impl Default for ImportOptions {
@@ -179,6 +192,8 @@ impl Default for ImportOptions {
             annotator: None,
             zoom: None,
             sensor_width_mm: None,
+            homographies: HomographyOptions::default(),
+            model: None,
         }
     }
 }
@@ -267,4 +282,84 @@ pub enum LabelMap {
     SoccerNet,
     /// A user's own map; none for labels to be ignored.
     Own(BTreeMap<String, Option<String>>),
+}
+
+/// How homographies are read that do not say what they are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HomographyOptions {
+    /// The plane that they map to or from.
+    pub plan: Option<GroundPlan>,
+    /// Their direction, where the plan leaves it open.
+    pub direction: Option<MatrixDirection>,
+    /// The column of the matrix; none: found by its name.
+    pub matrix_column: Option<String>,
+    /// The column of the frame's name; none: found by its name.
+    pub name_column: Option<String>,
+}
+
+/// A plane with coordinates of the ground, as makers of homographies use one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroundPlan {
+    /// Metres from the field's centre, x to the right, y away from the camera.
+    CentreMetres,
+    /// Metres from the far left corner, x to the right, y towards the camera.
+    CornerMetres,
+    /// The template of the World Cup 2014 set: yards from the far left corner, y to the camera.
+    WorldCup2014,
+    /// The court of `ShuttleSet`: px of a drawing whose y runs along the court, the far back line
+    /// above. A camera looks along the court.
+    ShuttleSet,
+}
+
+impl GroundPlan {
+    /// Every plan, in the order of the help.
+    pub const ALL: [Self; 4] = [
+        Self::CentreMetres,
+        Self::CornerMetres,
+        Self::WorldCup2014,
+        Self::ShuttleSet,
+    ];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::CentreMetres => "centre-m",
+            Self::CornerMetres => "corner-m",
+            Self::WorldCup2014 => "wc14",
+            Self::ShuttleSet => "shuttleset",
+        }
+    }
+
+    /// The field that it is usually of.
+    #[must_use]
+    pub const fn usual_field(self) -> &'static str {
+        match self {
+            Self::ShuttleSet => "badminton",
+            _ => "soccer",
+        }
+    }
+}
+
+/// The direction of a matrix between a picture and the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MatrixDirection {
+    /// From the picture to the ground.
+    PitchFromImage,
+    /// From the ground to the picture.
+    ImageFromPitch,
+}
+
+impl MatrixDirection {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::PitchFromImage, Self::ImageFromPitch];
+
+    /// Its name, as JSON lines of homographies state it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PitchFromImage => "pitch_from_image",
+            Self::ImageFromPitch => "image_from_pitch",
+        }
+    }
 }

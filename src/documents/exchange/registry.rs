@@ -42,7 +42,7 @@ const DATASET: About = About {
 };
 
 /// Every format, in the order of the help.
-static FORMATS: [(Format, Codec); 26] = [
+static FORMATS: [(Format, Codec); 27] = [
     (Format::Json, Documents(DATASET)),
     (Format::SoccerNet, Cameras(&soccernet::SoccerNet)),
     (
@@ -61,6 +61,10 @@ static FORMATS: [(Format, Codec); 26] = [
     (
         Format::Homography,
         Cameras(&homography_files::HomographyLines),
+    ),
+    (
+        Format::Homographies,
+        Cameras(&homography_files::HomographyTables),
     ),
     (Format::BroadTrack, Cameras(&broadtrack::BroadTrack)),
     (Format::Colmap, Cameras(&colmap::Colmap)),

@@ -1,7 +1,7 @@
 //! Errors of reading and writing documents on disk.
 
 use super::ReadOnly;
-use crate::document::{ReadError, WriteError};
+use crate::document::{ReadError, WriteError, hint_for_missing};
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -22,7 +22,12 @@ pub enum StoreError {
         source: io::Error,
     },
     /// There is nothing at this path.
-    #[error("{} does not exist; give a project folder, its project.json or a dataset file", path.display())]
+    #[error(
+        "{} does not exist; {}",
+        path.display(),
+        hint_for_missing(path)
+            .unwrap_or("give a project folder, its project.json or a dataset file")
+    )]
     NotFound {
         /// The path.
         path: PathBuf,

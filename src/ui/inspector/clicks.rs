@@ -15,7 +15,7 @@ use egui::{
 use touchline_application::app::{Action, App, Command, EditAction, Navigation};
 use touchline_application::scene::overlay::{CHECK, click_colour};
 use touchline_core::solve::FrameSolution;
-use touchline_documents::document::Click;
+use touchline_documents::document::{Click, ClickOrigin};
 
 /// Width of the column of residuals, points: for numbers, and for the words "no evidence".
 const RESIDUAL: [f32; 2] = [50.0, 68.0];
@@ -337,6 +337,9 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
             "Snapped to the paint, known to ±{sigma_px:.1} px. Hold Alt while releasing to keep a point as placed."
         ));
     }
+    if let Some(origin) = &click.origin {
+        ui.label(describe_origin(origin));
+    }
     if click.check {
         ui.label("Check point: left out of the solve, its error is shown.");
     } else if app
@@ -350,6 +353,25 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     let key = keys.with_key(Command::RenameClick, |key| format!(" or press {key}"));
     let rename = format!("Double-click{key} to rename it.");
     ui.label(RichText::new(rename).color(ui.palette().weak));
+}
+
+/// What a model says of a point, or that a person moved or renamed it.
+fn describe_origin(origin: &ClickOrigin) -> String {
+    let model = origin.model();
+    if origin.given.is_some() {
+        return format!("From {model}, moved or renamed by you.");
+    }
+    let probability = origin
+        .probability
+        .map(|probability| format!(" with a probability of {:.0} %", 100.0 * probability));
+    let sigma = origin
+        .sigma_px
+        .map(|sigma_px| format!(", known to ±{sigma_px:.1} px"));
+    format!(
+        "Found by {model}{}{}. No person has looked at it: move or rename it, or accept the frame.",
+        probability.unwrap_or_default(),
+        sigma.unwrap_or_default()
+    )
 }
 
 #[cfg(test)]

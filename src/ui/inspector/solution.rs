@@ -67,6 +67,7 @@ fn source(app: &App, frame: &Frame) -> String {
     // A proposal that a point has corrected keeps its source, so the specific cases come first.
     match frame.source() {
         Some(SolutionSource::Clicks) => from_points(frame),
+        Some(SolutionSource::Points) => "from points of a model".to_owned(),
         Some(SolutionSource::Manual) => "set manually".to_owned(),
         Some(SolutionSource::Forest) if frame.clicks.iter().any(|click| click.target.is_some()) => {
             "proposed, corrected with a point".to_owned()

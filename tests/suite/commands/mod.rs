@@ -12,6 +12,7 @@ mod fields_command;
 mod mend_command;
 mod merge_command;
 mod no_laboratory;
+mod points_command;
 pub mod refine_base_command;
 pub mod relocalize_command;
 mod season_commands;

@@ -85,6 +85,7 @@ pub enum Command {
     Track,
     DiscardTracked,
     DiscardBatch,
+    RemoveModelPoints,
     StopTracking,
     MendCameras,
     StopMending,
@@ -316,6 +317,11 @@ rows! {
     Track, "track", Frame, Picture, "Track cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions. One step of undo.", ["T"];
     DiscardTracked, "discard_carried", Frame, Picture, "Discard the tracked cameras", "Restore what the frames showed before they were tracked. Frames that you have changed or accepted since are kept. One step of undo.", [];
     DiscardBatch, "discard_batch", Frame, Picture, "Discard this batch of suggestions", "Discard this frame's suggestion and all others that came with it: from the same forest, shot or search. Frames that you have changed or accepted since are kept; the others show what was suggested before; a camera that was imported comes back. One step of undo.", [];
+    RemoveModelPoints, "remove_model_points", Edit, Picture, "Remove the points of this model",
+        "Remove the points that another program's model gave, from all frames, with the cameras \
+         that rest on them alone. Points that you moved or renamed and frames that you accepted \
+         are kept. One step of undo.",
+        [];
     TakeLength, "take_length", Frame, Picture, "Take the measured length of the field", "Use the length of the field that the painted lines of the tracked frames indicate, if no length is stated. One step of undo.", [];
     RefineBaseOnShot, "refine_base_on_shot", Frame, Picture, "Refine the base on this shot", "Track the shot, correct the camera's base and an assumed field size by the painted lines of all its frames, and repeat that until the base settles; then track cameras through the shot. One clicked frame is enough. Undo restores the base and removes the tracked cameras.", ["Shift+T"];
     StopTracking, "stop_tracking", Frame, Picture, "Stop tracking cameras", "Stop tracking cameras through the shot; nothing is changed.", [];

@@ -32,6 +32,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         }
         C::MendCameras | C::StopMending => "repair fix correct calibration import",
         C::DiscardBatch => "remove delete proposals suggested reject all",
+        C::RemoveModelPoints => "delete keypoints network predictions pre-labels",
         C::FindCamera => "automatic zero clicks",
         C::Snap | C::SearchLines | C::SnapPoints | C::SnapSuggestions => {
             "refine lines paint register"

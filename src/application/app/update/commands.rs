@@ -107,6 +107,7 @@ impl App {
             C::UseOwnNoise => self.why_not_own_noise(),
             C::UseUsualNoise => self.why_not_usual_noise(),
             C::DiscardBatch => self.why_not_discard_batch(),
+            C::RemoveModelPoints => self.why_not_remove_points(),
             C::AcceptAllAbove if self.review.rows.is_empty() => Some("There are no suggestions."),
             C::NextUnanswered if self.review.advice.next.is_none() => {
                 Some("No frame needs a label.")
@@ -282,6 +283,7 @@ impl App {
             C::AcceptAnyway => self.accept_anyway(),
             C::AcceptAllAbove => self.ask_accept_all(),
             C::DiscardBatch => self.discard_shown_batch(),
+            C::RemoveModelPoints => self.remove_points_of_model(),
             C::UseForTraining => self.toggle_use_for_training(),
             C::MarkGold => self.toggle_gold(),
             C::ChooseGold => self.choose_gold(),

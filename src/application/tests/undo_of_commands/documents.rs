@@ -8,7 +8,7 @@ use touchline_core::geometry::{ImageSize, Vec3};
 use touchline_core::testing::seeded::rng;
 use touchline_core::testing::{ground_landmarks, soccer};
 use touchline_documents::document::{
-    Click, Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
+    Click, ClickOrigin, Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
 };
 use touchline_documents::testing::{WithFrames, a_match, answered_by, load, new_video_frame};
 
@@ -39,6 +39,17 @@ pub fn drafts() -> Document {
     for frame in &mut document.frames {
         if frame.status == FrameStatus::Reference {
             frame.status = FrameStatus::Draft;
+        }
+    }
+    document
+}
+
+/// The same with the clicks as points of a model.
+pub fn pointed() -> Document {
+    let mut document = drafts();
+    for frame in &mut document.frames {
+        for click in &mut frame.clicks {
+            click.origin = Some(Box::new(ClickOrigin::from_model("net")));
         }
     }
     document

@@ -1,7 +1,8 @@
 //! What each command does to a document. A new command does not compile without its line here.
 
 use super::documents::{
-    blank, demo, displaced, drafts, imported, suggested, turned, two_focal_lengths, unseen, video,
+    blank, demo, displaced, drafts, imported, pointed, suggested, turned, two_focal_lengths,
+    unseen, video,
 };
 use super::scene::Scene;
 use crate::burnt_in_in_app::found_mask;
@@ -262,6 +263,9 @@ pub fn plan(command: Command) -> Plan {
         C::Track => change(demo, nothing, track),
         C::DiscardTracked => change(demo, track, |scene| scene.command(C::DiscardTracked)),
         C::DiscardBatch => change(suggested, nothing, |scene| scene.command(C::DiscardBatch)),
+        C::RemoveModelPoints => {
+            change(pointed, nothing, |scene| scene.command(C::RemoveModelPoints))
+        }
         C::RefineBaseOnShot => change(displaced, nothing, |scene| {
             scene.command(C::RefineBaseOnShot);
             scene.wait_for_work();

@@ -22,8 +22,7 @@ use touchline_core::solve::from_lines::{
     CameraFromLines, FromLinesError, FromLinesOptions, LinePicture, camera_from_lines,
 };
 use touchline_documents::document::{
-    BetterName, Camera, CameraId, Document, Fields, Frame, FrameStatus, Solution, SolutionSource,
-    SolutionWarning,
+    BetterName, Camera, CameraId, Document, Fields, Frame, FrameStatus, Solution, SolutionWarning,
 };
 
 /// Why a frame has no camera of its own.
@@ -181,7 +180,7 @@ fn record(document: &mut Document, index: usize, found: &LineCameraFit, names: &
         frame.status = FrameStatus::Suggested;
     }
     frame.solution = Some(Solution {
-        source: Some(SolutionSource::Clicks),
+        source: Some(frame.source_of_clicks()),
         rms_px: Some(*rms_px),
         covariance: Some(known.ptz_covariance_deg()),
         own_covariance: Some(known.own_covariance_deg()),

@@ -69,11 +69,15 @@ pub fn observations(
                     Observation::from_line(field, id.as_str(), click.image, frame.image_size, index)
                 }
             }?;
-            // A click that was aligned to paint has another σ.
-            let observation = match (target, click.snapped_sigma_px) {
+            // A click that was aligned to paint has another σ, and so has a point of a model.
+            let observation = match (target, click.own_sigma_px()) {
                 (Target::Landmark(id), Some(sigma_px)) => {
-                    with_alignment_noise(observation, field, id, frame.image_size, sigma_px)
+                    with_own_noise(observation, field, id, frame.image_size, sigma_px)
                 }
+                (Target::Line(_), Some(sigma_px)) => Observation {
+                    sigma_px,
+                    ..observation
+                },
                 _ => observation,
             };
             Ok(if click.check {
@@ -99,10 +103,10 @@ pub(in crate::calibrate) fn rms_of_clicks_px(
     mean(&squares).map(f64::sqrt)
 }
 
-/// The observation of a click that was aligned to paint. Its variance has two parts: of the
-/// alignment, in place of the annotator's click noise, and of the landmark's position on the real
-/// field, which no click avoids.
-fn with_alignment_noise(
+/// The observation of a click that was aligned to paint or given by a model. Its variance has two
+/// parts: of the alignment or the model, in place of the annotator's click noise, and of the
+/// landmark's position on the real field, which no click avoids.
+fn with_own_noise(
     observation: Observation,
     field: &FieldModel,
     landmark: &LandmarkId,

@@ -43,7 +43,7 @@ pub fn is_decided(frame: &Frame) -> bool {
     frame.ptz.is_some()
         && match source {
             // A camera of unknown source is taken for one from clicks.
-            None | Some(SolutionSource::Clicks) => false,
+            None | Some(SolutionSource::Clicks | SolutionSource::Points) => false,
             Some(SolutionSource::Manual | SolutionSource::Markings) => true,
             Some(
                 SolutionSource::Forest

@@ -1,6 +1,7 @@
 //! Groups of frames and the summaries of their scores.
 
 use super::{Evaluation, FrameResult, FrameScores, Measure};
+use touchline_core::geometry::ImageSize;
 use touchline_core::score::{SigmaCoverage, Summary};
 
 /// The criterion of a group.
@@ -38,6 +39,8 @@ pub struct FrameGroup {
     pub kind: GroupKind,
     /// Name of the group: shot, camera, or range of the field of view in degrees.
     pub name: String,
+    /// The sizes of their pictures, in whose px errors are.
+    pub image_sizes: Vec<ImageSize>,
     /// Number of frames with a truth.
     pub frames: usize,
     /// Number of those that have a camera in the estimate.
@@ -97,9 +100,16 @@ impl FrameGroup {
             .iter()
             .map(|sigmas| 3.0 * sigmas * sigmas)
             .collect();
+        let mut sizes: Vec<ImageSize> = Vec::new();
+        for frame in frames {
+            if !sizes.contains(&frame.image_size) {
+                sizes.push(frame.image_size);
+            }
+        }
         Self {
             kind,
             name,
+            image_sizes: sizes,
             frames: frames.len(),
             scored: scored.len(),
             measures: summaries.collect(),

@@ -7,6 +7,7 @@
 
 mod groups;
 mod measure;
+mod rescale;
 mod scores;
 
 pub use groups::{FrameGroup, GroupKind};
@@ -45,6 +46,9 @@ pub struct FrameResult {
     pub clip: Option<Clip>,
     /// Its camera in the truth.
     pub camera: CameraId,
+    /// The size of its picture in the truth, in whose px the scores are.
+    #[serde(rename = "image_size_px")]
+    pub image_size: ImageSize,
     /// The horizontal field of view: the true camera's, else the estimate's.
     #[serde(rename = "view_deg")]
     pub view: Option<Angle>,
@@ -151,6 +155,7 @@ pub fn evaluate(
             index,
             clip: frame.clip.clone(),
             camera: frame.camera.clone(),
+            image_size: frame.image_size,
             view: focal_px.map(|focal_px| horizontal_view(focal_px, frame.image_size)),
             scores: score_frame(&known, &estimate, partner, &estimated_fields),
         }
@@ -196,12 +201,6 @@ fn score_frame(
     fields: &Fields,
 ) -> Result<FrameScores, Unscored> {
     let frame = partner.ok_or(Unscored::Absent)?;
-    if frame.image_size != truth.frame.image_size {
-        return Err(Unscored::SizeDiffers {
-            truth: truth.frame.image_size,
-            estimate: frame.image_size,
-        });
-    }
     let camera = estimate.ptz_camera(frame).ok_or_else(|| {
         // The first warning of a frame without a camera says why there is none.
         let first = frame
@@ -212,9 +211,16 @@ fn score_frame(
             reason: first.map(|warning| warning.message.clone()),
         }
     })?;
-    let shown = FieldView {
-        field: fields.for_frame(estimate, frame),
-        camera: &camera,
-    };
-    Ok(scores(truth, frame, shown)?)
+    let field = fields.for_frame(estimate, frame);
+    let size = truth.frame.image_size;
+    if frame.image_size == size {
+        let camera = &camera;
+        return Ok(scores(truth, frame, FieldView { field, camera })?);
+    }
+    let (camera, frame) = rescale::rescale(&camera, frame, size).ok_or(Unscored::SizeDiffers {
+        truth: size,
+        estimate: frame.image_size,
+    })?;
+    let camera = &camera;
+    Ok(scores(truth, &frame, FieldView { field, camera })?)
 }

@@ -16,7 +16,7 @@ pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCa
     // says.
     let is_by_clicks = matches!(
         source,
-        None | Some(SolutionSource::Clicks | SolutionSource::Import)
+        None | Some(SolutionSource::Clicks | SolutionSource::Points | SolutionSource::Import)
     );
     let known = field
         .filter(|_| is_by_clicks)

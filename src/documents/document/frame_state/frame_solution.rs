@@ -2,8 +2,8 @@
 //! it.
 
 use crate::document::{
-    BetterName, Document, Frame, FramePtz, ImportedCamera, Proposed, Solution, SolutionSource,
-    SolutionWarning, Target,
+    BetterName, Document, Frame, FramePtz, FrameStatus, ImportedCamera, Proposed, Solution,
+    SolutionSource, SolutionWarning, Target,
 };
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::solve::{FrameSolution, Uncertainty, covariance_of_four_points, judge};
@@ -12,12 +12,25 @@ use touchline_core::solve::{FrameSolution, Uncertainty, covariance_of_four_point
 pub const ENOUGH_EQUATIONS: usize = 3;
 
 impl Frame {
-    /// Whether its camera comes from its own clicks.
+    /// Whether its camera comes from its own clicks, of a person or of a model.
     #[must_use]
     pub fn is_solved_by_clicks(&self) -> bool {
-        self.solution
-            .as_ref()
-            .is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
+        self.solution.as_ref().is_some_and(|solution| {
+            matches!(
+                solution.source,
+                Some(SolutionSource::Clicks | SolutionSource::Points)
+            )
+        })
+    }
+
+    /// What a camera from its clicks has as its source.
+    #[must_use]
+    pub fn source_of_clicks(&self) -> SolutionSource {
+        if self.has_points_of_models_alone() {
+            SolutionSource::Points
+        } else {
+            SolutionSource::Clicks
+        }
     }
 
     /// Whether its named clicks determine a camera by themselves: a landmark gives two equations, a
@@ -70,7 +83,11 @@ impl Frame {
         let source = proposed
             .as_ref()
             .filter(|_| !by_clicks)
-            .map_or(SolutionSource::Clicks, |proposed| proposed.source);
+            .map_or_else(|| self.source_of_clicks(), |proposed| proposed.source);
+        // What a model's points give is a suggestion until a person accepts it.
+        if self.status == FrameStatus::New && self.has_points_of_models_alone() {
+            self.status = FrameStatus::Suggested;
+        }
         self.point(solved.ptz, solved.lens);
         // Only what other programs stated outlives a solve. Confidence, timings, samples and line
         // check belong to the camera that is replaced.

@@ -167,7 +167,10 @@ impl Frame {
     /// Its status while it is neither accepted nor rejected.
     #[must_use]
     pub fn undecided_status(&self) -> FrameStatus {
-        match (self.clicks.is_empty(), self.ptz.is_some()) {
+        let is_by_models = self.has_points_of_models_alone();
+        let is_unclicked = is_by_models || self.clicks.is_empty();
+        match (is_unclicked, self.ptz.is_some()) {
+            (true, true) if is_by_models => FrameStatus::Suggested,
             (true, true) if self.is_suggestion() || self.is_snapped() => FrameStatus::Suggested,
             (true, false) => FrameStatus::New,
             _ => FrameStatus::Draft,

@@ -132,13 +132,50 @@ pub(in crate::document) mod positive {
         refuse_others(f64::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 
-    fn refuse_others(value: f64) -> Result<f64, String> {
+    pub(super) fn refuse_others(value: f64) -> Result<f64, String> {
         // NaN passes here: of numbers that JSON lacks, `number` says so.
         if value <= 0.0 {
             Err(format!("must be positive, not {value}"))
         } else {
             Ok(value)
         }
+    }
+}
+
+/// A length that may be absent and must be positive.
+pub(super) mod optional_positive {
+    use super::*;
+
+    pub use super::optional_number::serialize;
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<f64>, D::Error> {
+        let value = Option::deserialize(deserializer)?;
+        value
+            .map(super::positive::refuse_others)
+            .transpose()
+            .map_err(D::Error::custom)
+    }
+}
+
+/// `[x, y]`, which may be absent.
+pub(super) mod optional_image_point {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(
+        point: &Option<ImagePoint>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let numbers = point.map(<[f64; 2]>::from);
+        finite::<S>(numbers.as_slice().as_flattened())?;
+        numbers.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<ImagePoint>, D::Error> {
+        Ok(Option::<[f64; 2]>::deserialize(deserializer)?.map(ImagePoint::from))
     }
 }
 

@@ -1,7 +1,7 @@
 //! A click: a point of the picture and its name.
 
 use super::adapters;
-use crate::document::Extra;
+use crate::document::{ClickOrigin, Extra};
 use serde::{Deserialize, Serialize};
 use touchline_core::field::{FieldElement, FieldModel, LandmarkId, LineId};
 use touchline_core::geometry::ImagePoint;
@@ -78,6 +78,8 @@ pub struct Click {
     /// The program moved it to the painted corner, crossing or spot that it names: 1-σ of that
     /// place in each direction, px. None where it lies where a person placed it.
     pub snapped_sigma_px: Option<f64>,
+    /// Who placed it, if no person did.
+    pub origin: Option<Box<ClickOrigin>>,
     /// Unknown keys.
     pub extra: Extra,
 }
@@ -110,6 +112,37 @@ impl Click {
         matches!(self.target, Some(Target::Line(_)))
     }
 
+    /// Whether it is a model's point as the model gave it. A point that a person moved or renamed
+    /// is the person's.
+    #[must_use]
+    pub fn is_by_model(&self) -> bool {
+        self.model_origin().is_some()
+    }
+
+    /// The origin of a model's point that no person moved or renamed.
+    #[must_use]
+    pub fn model_origin(&self) -> Option<&ClickOrigin> {
+        self.origin
+            .as_deref()
+            .filter(|origin| origin.given.is_none())
+    }
+
+    /// 1-σ of its place in each direction, px, where that is known better than for a person's
+    /// click: it was aligned to paint, or a model states it.
+    #[must_use]
+    pub fn own_sigma_px(&self) -> Option<f64> {
+        self.snapped_sigma_px
+            .or_else(|| self.model_origin()?.sigma_px)
+    }
+
+    /// Makes a model's point a person's before a person moves or renames it: it keeps where the
+    /// model had it.
+    pub fn take_over(&mut self) {
+        if let Some(origin) = &mut self.origin {
+            origin.given.get_or_insert(self.image);
+        }
+    }
+
     /// A click without a name.
     #[must_use]
     pub fn without_name(image: ImagePoint) -> Self {
@@ -118,6 +151,7 @@ impl Click {
             image,
             check: false,
             snapped_sigma_px: None,
+            origin: None,
             extra: Extra::new(),
         }
     }
@@ -144,6 +178,8 @@ struct ClickJson {
         skip_serializing_if = "Option::is_none"
     )]
     snapped_sigma_px: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    origin: Option<Box<ClickOrigin>>,
     #[serde(flatten)]
     extra: Extra,
 }
@@ -171,6 +207,7 @@ impl TryFrom<ClickJson> for Click {
             image_px: image,
             check,
             snapped_sigma_px,
+            origin,
             extra,
             ..
         } = json;
@@ -179,6 +216,7 @@ impl TryFrom<ClickJson> for Click {
             image,
             check,
             snapped_sigma_px,
+            origin,
             extra,
         })
     }
@@ -195,6 +233,7 @@ impl From<Click> for ClickJson {
             image: image_px,
             check,
             snapped_sigma_px,
+            origin,
             extra,
             ..
         } = click;
@@ -204,6 +243,7 @@ impl From<Click> for ClickJson {
             image_px,
             check,
             snapped_sigma_px,
+            origin,
             extra,
         }
     }

@@ -76,10 +76,23 @@ impl Document {
     /// A camera by name.
     #[must_use]
     pub fn camera(&self, id: &CameraId) -> Option<&Camera> {
-        self.cameras
-            .iter()
+        let mut cameras = self.cameras_near_number(id).iter().chain(&self.cameras);
+        cameras
             .find(|camera| camera.id == *id)
             .map(|camera| &**camera)
+    }
+
+    /// The cameras at about the place that the number in a name says. An import of thousands of
+    /// cameras calls them `main`, `main-2`, … in their order; a search from the first for each
+    /// frame's would take time with the square of their number.
+    fn cameras_near_number(&self, id: &CameraId) -> &[Shared<Camera>] {
+        /// Names count from 1 or 2, places from 0.
+        const AROUND: usize = 3;
+        let name = id.as_str();
+        let digits = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        let number: usize = name[digits.len()..].parse().unwrap_or(0);
+        let last = number.saturating_add(1).min(self.cameras.len());
+        &self.cameras[last.saturating_sub(AROUND)..last]
     }
 
     /// A camera by name, to change it.
@@ -276,4 +289,38 @@ pub(in crate::document) fn conventions() -> Map<String, Value> {
     .into_iter()
     .map(|(key, text)| (key.to_owned(), Value::from(text)))
     .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::ImageSize;
+
+    #[test]
+    fn a_camera_is_found_by_its_name_wherever_it_lies() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let size = ImageSize::new(64, 36);
+        let names = [
+            "main",
+            "main-2",
+            "7",
+            "main-4",
+            "main-3",
+            "b1",
+            "main-99999999999999999999",
+        ];
+        for name in names {
+            document.cameras.push(Camera::new(name.into(), size).into());
+        }
+        for name in names {
+            let found = document.camera(&name.into());
+            assert_eq!(found.map(|camera| camera.id.as_str()), Some(name));
+        }
+        assert!(document.camera(&"main-5".into()).is_none());
+        assert!(
+            Document::new(FieldSpec::new("soccer"))
+                .camera(&"1".into())
+                .is_none()
+        );
+    }
 }

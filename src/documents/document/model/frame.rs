@@ -67,6 +67,9 @@ pub struct Frame {
     /// What people clicked, in their order.
     #[serde(default, deserialize_with = "clicks")]
     pub clicks: Vec<Click>,
+    /// Points of models that a person took away: no labels, kept for the makers of the models.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refused_points: Vec<Click>,
     /// Landmarks that were clicked again, blind, to measure the annotator's click noise; not
     /// labels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -313,6 +316,7 @@ impl Frame {
             gold: false,
             edited: None,
             clicks: Vec::new(),
+            refused_points: Vec::new(),
             repeats: Vec::new(),
             masks: Vec::new(),
             labels_name: None,

@@ -8,6 +8,7 @@ pub mod camera;
 pub mod camera_id;
 pub mod click;
 pub mod click_noise;
+pub mod click_origin;
 pub mod document;
 pub mod extra;
 pub mod field_spec;

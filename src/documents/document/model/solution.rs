@@ -294,6 +294,8 @@ pub struct TimingsMs {
 pub enum SolutionSource {
     /// A person's clicks.
     Clicks,
+    /// Points of another program's model alone.
+    Points,
     /// The pan-tilt forest.
     Forest,
     /// A neighbouring frame's motion.

@@ -25,6 +25,14 @@ pub enum ReadError {
         /// The first byte that is not.
         offset: usize,
     },
+    /// The bytes are those of another kind of file.
+    #[error("it is {what}, and a document is a JSON file; {remedy}")]
+    OtherKind {
+        /// What it is.
+        what: &'static str,
+        /// What to do with it.
+        remedy: &'static str,
+    },
     /// The text is not JSON.
     #[error("not valid JSON: {message} at line {line} column {column}")]
     NotJson {
@@ -93,13 +101,37 @@ pub enum ReadError {
     },
 }
 
+/// The error that bytes are those of a video, a picture or an archive; none where they are not.
+fn other_kind(bytes: &[u8]) -> Option<ReadError> {
+    const NEW: &str = "`touchline new FOLDER --frames IT --field SPORT` makes a project of it";
+    // The first bytes of MP4 and MOV (behind a length), Matroska, AVI; JPEG, PNG; zip.
+    let is_video = bytes.get(4..8) == Some(b"ftyp")
+        || bytes.starts_with(&[0x1a, 0x45, 0xdf, 0xa3])
+        || bytes.starts_with(b"RIFF");
+    let (what, remedy) = if is_video {
+        ("a video", NEW)
+    } else if bytes.starts_with(&[0xff, 0xd8, 0xff]) || bytes.starts_with(b"\x89PNG") {
+        (
+            "a picture",
+            "`touchline new FOLDER --frames ITS_FOLDER --field SPORT` makes a project of pictures",
+        )
+    } else if bytes.starts_with(b"PK\x03\x04") {
+        ("a zip archive", "unpack it and give what it holds")
+    } else {
+        return None;
+    };
+    Some(ReadError::OtherKind { what, remedy })
+}
+
 /// Reads a document.
 ///
 /// # Errors
 /// Each names the place and the problem there; nothing is guessed.
 pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| ReadError::NotUtf8 {
-        offset: error.valid_up_to(),
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        other_kind(bytes).unwrap_or(ReadError::NotUtf8 {
+            offset: error.valid_up_to(),
+        })
     })?;
     // Some editors put a byte order mark before UTF-8.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);

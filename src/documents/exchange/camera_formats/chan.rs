@@ -9,6 +9,7 @@ use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinho
 use crate::exchange::cameras::held::{
     OTHER_SIZE, cannot_hold, note_several_cameras, parts, plain, with,
 };
+use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::{About, Format};
@@ -54,6 +55,16 @@ fn rotation([rx, ry, rz]: [f64; 3]) -> Mat3 {
 /// The number of a frame in the track.
 fn number_of(frame: &FrameCamera, index: usize) -> u64 {
     frame.frame_index.unwrap_or(index as u64)
+}
+
+/// The name of a line's frame where its camera cannot be read: its number, where that can be read.
+fn name_of(line: &str, number_of_line: usize) -> String {
+    let first = line.split_whitespace().next();
+    let number: Option<f64> = first.and_then(|first| first.parse().ok());
+    match number.map(|number| frame_number("the frame", number)) {
+        Some(Ok(number)) => format!("{number:06}"),
+        _ => format!("line {number_of_line}"),
+    }
 }
 
 fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>, Problem> {
@@ -193,13 +204,17 @@ impl CameraFormat for Chan {
             });
         }
         files.read_all(|_, bytes| {
-            let lines = text(bytes)?.lines().enumerate();
-            let lines = lines.map(|(index, line)| {
-                read_line(line, options).map_err(|problem| problem.at_line(index + 1))
-            });
-            lines
-                .filter_map(Result::transpose)
-                .collect::<Result<Vec<_>, _>>()
+            let mut frames = FrameCollector::default();
+            for (index, line) in text(bytes)?.lines().enumerate() {
+                let read = read_line(line, options).map_err(|problem| problem.at_line(index + 1));
+                if let Some(read) = read.transpose() {
+                    frames.add(&name_of(line, index + 1), None, read);
+                }
+                if frames.has_only_damaged() {
+                    break;
+                }
+            }
+            frames.finish()
         })
     }
 }

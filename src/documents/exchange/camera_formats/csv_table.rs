@@ -11,6 +11,7 @@ use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, Write
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::ground_fit::fit_image_from_ground;
 use crate::exchange::cameras::held::{parts, relative_name};
+use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
@@ -188,6 +189,21 @@ fn name_by_number(index: u64, camera: &str) -> String {
     format!("{camera}#{index}")
 }
 
+/// The name of a row's frame where its camera cannot be read, and its number in its video, where it
+/// has no image.
+fn name_of(row: &TableRow<'_>) -> (String, Option<u64>) {
+    if let Some(image) = row.text("image").and_then(|image| safe_path(image).ok()) {
+        return (image, None);
+    }
+    match row.frame_index() {
+        Ok(Some(index)) => {
+            let camera = row.text("camera").unwrap_or_default();
+            (name_by_number(index, camera), Some(index))
+        }
+        _ => (format!("line {}", row.line()), None),
+    }
+}
+
 fn read_row(row: TableRow<'_>) -> Result<FrameCamera, Problem> {
     // The camera comes from R, C and the lens alone. Pan, tilt, t and H follow from them and are
     // not read, so that a file cannot contradict itself.
@@ -328,7 +344,15 @@ impl CameraFormat for Csv {
                 "r11",
                 "width_px",
             ])?;
-            table.rows().map(read_row).collect::<Result<Vec<_>, _>>()
+            let mut frames = FrameCollector::default();
+            for row in table.rows() {
+                let (name, number) = name_of(&row);
+                frames.add_numbered(&name, number, read_row(row));
+                if frames.has_only_damaged() {
+                    break;
+                }
+            }
+            frames.finish()
         })
     }
 }

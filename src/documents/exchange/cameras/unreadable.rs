@@ -66,6 +66,20 @@ impl FrameCollector {
         }
     }
 
+    /// Adds a frame of a table, or what is wrong with it; `number` is its number in its video.
+    pub fn add_numbered(
+        &mut self,
+        name: &str,
+        number: Option<u64>,
+        read: Result<FrameCamera, Problem>,
+    ) {
+        let is_read = read.is_ok();
+        self.add(name, None, read);
+        if let Some(frame) = self.frames.last_mut().filter(|_| !is_read) {
+            frame.frame_index = number;
+        }
+    }
+
     /// How many frames were added.
     pub const fn len(&self) -> usize {
         self.frames.len()

@@ -45,6 +45,52 @@ pub struct Mark {
     pub label: String,
     /// px, corner convention.
     pub image: ImagePoint,
+    /// The probability that a model states of it.
+    pub probability: Option<f64>,
+    /// 1-σ of it in each direction that a model states, px.
+    pub sigma_px: Option<f64>,
+}
+
+impl Mark {
+    /// A point of which only the place is known.
+    #[must_use]
+    pub const fn new(label: String, image: ImagePoint) -> Self {
+        Self {
+            label,
+            image,
+            probability: None,
+            sigma_px: None,
+        }
+    }
+
+    /// The same with the probability that a model states.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn with_probability(self, probability: f64) -> Result<Self, Problem> {
+        /// Peaks of heat maps that are written as probabilities exceed 1 by a little.
+        const MOST: f64 = 1.1;
+        if !(0.0..=MOST).contains(&probability) {
+            return Err(Problem::OutOfRange {
+                what: format!("the probability of {:?}", shorten(&self.label)),
+                value: probability,
+                wanted: "between 0 and 1; files of labels are imported without --points",
+            });
+        }
+        Ok(Self {
+            probability: Some(probability.min(1.0)),
+            ..self
+        })
+    }
+}
+
+/// What the third number of a keypoint is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ThirdNumber {
+    /// Whether the point is labelled and visible: 0, 1 or 2.
+    Visibility,
+    /// The probability that a model states.
+    Probability,
 }
 
 /// What a format needs beside the frames when it writes them.

@@ -5,8 +5,8 @@
 //! otherwise. Ids of images and annotations and indices of the skeleton begin at 1.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, UnreadLabels,
-    picture_path,
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, ThirdNumber,
+    UnreadLabels, picture_path,
 };
 use super::labels::keypoints;
 use crate::document::{Click, Target};
@@ -95,7 +95,7 @@ pub(super) fn range_of(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// The number of an image or category.
-fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
+pub(in crate::exchange) fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
     let value = node.number()?;
     // Ids are compared for equality, which is exact for whole numbers below 2⁵³.
     if value.fract() == 0.0 && value.abs() < 9e15 {
@@ -108,7 +108,9 @@ fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
     })
 }
 
-fn read(
+/// The frames of a file with images, categories and annotations.
+pub(in crate::exchange) fn read_with(
+    third: ThirdNumber,
     (file, bytes): (&str, &[u8]),
     options: &ImportOptions,
     unread: &mut UnreadLabels,
@@ -167,7 +169,7 @@ fn read(
         if annotation.find("keypoints").is_none() {
             continue;
         }
-        let read = annotation_marks(&annotation, &at, &names, shift);
+        let read = annotation_marks(&annotation, &at, &names, (third, shift));
         let read = unread.keep(file, Some(annotation.path()), read);
         if let Some((frame, marks)) = read {
             frames[frame].marks.extend(marks);
@@ -182,7 +184,7 @@ fn annotation_marks(
     annotation: &Node<'_>,
     at: &BTreeMap<i64, usize>,
     names: &BTreeMap<i64, Vec<&str>>,
-    shift: f64,
+    (third, shift): (ThirdNumber, f64),
 ) -> Result<(usize, Vec<Mark>), Problem> {
     let points = annotation.key("keypoints")?;
     let id = id_of(&annotation.key("image_id")?)?;
@@ -203,15 +205,29 @@ fn annotation_marks(
         });
     }
     // Visibility 1 is a point that is hidden in the picture and was placed all the same.
+    let marks = marks_of_keypoints(&values, of, (third, shift))?;
+    Ok((frame, marks))
+}
+
+/// The marks of keypoints: x, y and the third number of each.
+pub(in crate::exchange) fn marks_of_keypoints(
+    values: &[f64],
+    names: &[impl AsRef<str>],
+    (third, shift): (ThirdNumber, f64),
+) -> Result<Vec<Mark>, Problem> {
     let marks = values
         .chunks_exact(3)
-        .zip(of)
-        .filter(|(point, _)| point[2] > 0.0);
-    let marks = marks.map(|(point, name)| Mark {
-        label: (*name).to_owned(),
-        image: ImagePoint::new(point[0] + shift, point[1] + shift),
+        .zip(names)
+        .filter(|(point, _)| point[2] != 0.0);
+    let marks = marks.map(|(point, name)| {
+        let at = ImagePoint::new(point[0] + shift, point[1] + shift);
+        let mark = Mark::new(name.as_ref().to_owned(), at);
+        match third {
+            ThirdNumber::Visibility => Ok(mark),
+            ThirdNumber::Probability => mark.with_probability(point[2]),
+        }
     });
-    Ok((frame, marks.collect()))
+    marks.collect()
 }
 
 /// The error that an annotation refers to something that is not in the file.
@@ -279,7 +295,10 @@ impl ClickFormat for Coco {
         reading: &LabelReading<'_>,
         unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|file, bytes| read((file, bytes), reading.options, unread))
+        files.read_all(|file, bytes| {
+            let third = ThirdNumber::Visibility;
+            read_with(third, (file, bytes), reading.options, unread)
+        })
     }
 }
 

@@ -148,10 +148,10 @@ fn points(shape: Element<'_>, label: &str, shift: f64) -> Result<Vec<Mark>, Prob
                 wanted: 2,
                 found,
             })?;
-            Ok(Mark {
-                label: label.to_owned(),
-                image: ImagePoint::new(x + shift, y + shift),
-            })
+            Ok(Mark::new(
+                label.to_owned(),
+                ImagePoint::new(x + shift, y + shift),
+            ))
         })
         .collect()
 }
@@ -427,10 +427,10 @@ mod tests {
         );
         assert_eq!(
             frames[0].marks,
-            [Mark {
-                label: "centre_mark".to_owned(),
-                image: ImagePoint::new(1.0, 2.0)
-            }]
+            [Mark::new(
+                "centre_mark".to_owned(),
+                ImagePoint::new(1.0, 2.0)
+            )]
         );
     }
 

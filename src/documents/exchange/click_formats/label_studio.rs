@@ -93,9 +93,8 @@ fn marks_of(
     Ok(labels
         .iter()
         .flat_map(|label| {
-            in_percent.iter().map(move |at| Mark {
-                label: (*label).to_owned(),
-                image: point_from_percent(*at, size, shift_px),
+            in_percent.iter().map(move |at| {
+                Mark::new((*label).to_owned(), point_from_percent(*at, size, shift_px))
             })
         })
         .collect())
@@ -313,10 +312,7 @@ mod tests {
             { "was_cancelled": true, "result": [] }
         ] }]);
         let frames = read(&old.to_string()).unwrap();
-        let mark = Mark {
-            label: "centre_mark".to_owned(),
-            image: ImagePoint::new(100.0, 10.0),
-        };
+        let mark = Mark::new("centre_mark".to_owned(), ImagePoint::new(100.0, 10.0));
         assert_eq!(
             (frames[0].name.as_str(), &frames[0].marks),
             ("0001.jpg", &vec![mark.clone()])

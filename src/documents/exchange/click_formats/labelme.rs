@@ -89,10 +89,10 @@ fn read_file(
         let label = shape.key("label")?.text()?.to_owned();
         for point in shape.key("points")?.items()? {
             let [x, y]: [f64; 2] = point.numbers()?;
-            marks.push(Mark {
-                label: label.clone(),
-                image: ImagePoint::new(x + shift, y + shift),
-            });
+            marks.push(Mark::new(
+                label.clone(),
+                ImagePoint::new(x + shift, y + shift),
+            ));
         }
     }
     Ok(LabelledFrame {

@@ -325,10 +325,9 @@ mod tests {
     #[test]
     fn numbers_of_the_other_order_are_refused() {
         let refuses = |map: &LabelMap, labels: &[&str]| {
-            let marks = labels.iter().map(|label| Mark {
-                label: (*label).to_owned(),
-                image: ImagePoint::new(1.0, 1.0),
-            });
+            let marks = labels
+                .iter()
+                .map(|label| Mark::new((*label).to_owned(), ImagePoint::new(1.0, 1.0)));
             let frame = LabelledFrame {
                 name: "a".to_owned(),
                 image: None,

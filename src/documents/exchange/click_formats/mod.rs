@@ -9,6 +9,7 @@ pub mod cvat;
 pub mod label_studio;
 pub mod labelme;
 pub mod labels;
+pub mod point_sigma;
 pub mod points_table;
 pub mod soccernet_lines;
 pub mod yolo_pose;

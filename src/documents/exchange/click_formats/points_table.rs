@@ -10,7 +10,7 @@ use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options;
-use crate::exchange::options::Pixels;
+use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::table::{Table, TableRow};
 use crate::exchange::syntax::values::side_px;
 use std::collections::BTreeMap;
@@ -32,13 +32,34 @@ fn size_of(row: &TableRow<'_>) -> Result<Option<ImageSize>, Problem> {
     Ok(Some(ImageSize::new(width, height)))
 }
 
-/// The point of a row.
-fn mark_of(row: &TableRow<'_>, shift_px: f64) -> Result<Mark, Problem> {
-    let label = row.text("label").ok_or_else(|| row.missing("label"))?;
-    Ok(Mark {
-        label: label.to_owned(),
-        image: ImagePoint::new(row.number("x")? + shift_px, row.number("y")? + shift_px),
+/// The σ that a row states.
+fn sigma_of(sigma_px: f64) -> Result<f64, Problem> {
+    if sigma_px > 0.0 {
+        return Ok(sigma_px);
+    }
+    Err(Problem::OutOfRange {
+        what: "sigma_px".to_owned(),
+        value: sigma_px,
+        wanted: "positive",
     })
+}
+
+/// The point of a row.
+fn mark_of(row: &TableRow<'_>, options: &ImportOptions) -> Result<Mark, Problem> {
+    let shift_px = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let label = row.text("label").ok_or_else(|| row.missing("label"))?;
+    let at = ImagePoint::new(row.number("x")? + shift_px, row.number("y")? + shift_px);
+    let mut mark = Mark::new(label.to_owned(), at);
+    // Only points of models have these; a column of labels may be called so, too.
+    if options.model.is_some() {
+        if let Some(probability) = row.find("p")? {
+            mark = mark.with_probability(probability)?;
+        }
+        if let Some(sigma_px) = row.find("sigma_px")? {
+            mark.sigma_px = Some(sigma_of(sigma_px)?);
+        }
+    }
+    Ok(mark)
 }
 
 fn read_table(
@@ -48,7 +69,6 @@ fn read_table(
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let table = Table::read(bytes)?;
     table.needs(&COLUMNS)?;
-    let pixels = reading.options.pixels.unwrap_or(Pixels::Corner);
     let mut frames: Vec<LabelledFrame> = Vec::new();
     let mut at: BTreeMap<String, usize> = BTreeMap::new();
     for row in table.rows() {
@@ -67,7 +87,7 @@ fn read_table(
             });
             frames.len() - 1
         };
-        let read = mark_of(&row, pixels.to_corner_px());
+        let read = mark_of(&row, reading.options);
         let frame = &mut frames[index];
         let mark = unread.keep(file, Some(&frame.name), read);
         frame.marks.extend(mark);
@@ -105,7 +125,6 @@ impl ClickFormat for PointsTable {
 mod tests {
     use super::super::clicked_frame::{read_alone, read_labels};
     use super::*;
-    use crate::exchange::options::ImportOptions;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 

@@ -105,10 +105,7 @@ fn marks_of_lines(lines: &Node<'_>, size: ImageSize) -> Result<Vec<Mark>, Proble
                 share_of_side(&point.key("x")?)? * f64::from(size.width),
                 share_of_side(&point.key("y")?)? * f64::from(size.height),
             );
-            marks.push(Mark {
-                label: class.to_owned(),
-                image,
-            });
+            marks.push(Mark::new(class.to_owned(), image));
         }
     }
     Ok(marks)

@@ -7,8 +7,8 @@
 //! the permutation of the points in a mirrored picture.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, UnreadLabels,
-    size_or_option,
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, ThirdNumber,
+    UnreadLabels, size_or_option,
 };
 use super::coco::{in_order, is_keypoint, range_of};
 use super::labels::keypoints;
@@ -108,6 +108,11 @@ fn is_in_labels(file: &str) -> bool {
     file.contains("labels/")
 }
 
+/// Whether a file of a folder is one of labels, or names their keypoints.
+pub(in crate::exchange) fn is_label_file(name: &str) -> bool {
+    name == DATA || (has_ending(name, "txt") && (is_in_labels(name) || !name.contains('/')))
+}
+
 /// The names of keypoints in a `data.yaml`, where it has some.
 fn names_of(yaml: &str) -> Option<Vec<String>> {
     let (_, behind) = yaml.split_once("kpt_names:")?;
@@ -130,9 +135,18 @@ fn names_of(yaml: &str) -> Option<Vec<String>> {
     )
 }
 
-fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
-    let values = numbers("a column", line)?;
+fn marks_of(
+    line: &str,
+    third: ThirdNumber,
+    names: Option<&[String]>,
+    size: ImageSize,
+) -> Result<Vec<Mark>, Problem> {
+    let mut values = numbers("a column", line)?;
     let count = values.len().saturating_sub(5) / 3;
+    if third == ThirdNumber::Probability {
+        // Predictions may end with the probability of the box and the number of its track.
+        values.truncate(5 + 3 * names.map_or(count, <[String]>::len));
+    }
     // Five columns of class and box, three a point. Without names any number of points fits, so
     // that only a remainder is an error.
     let wanted = 5 + 3 * names.map_or(count, <[String]>::len);
@@ -147,10 +161,13 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
     let points = values[5..]
         .chunks_exact(3)
         .enumerate()
-        .filter(|(_, point)| point[2] != 0.0);
+        // Predictions have a point that they do not believe in at the corner.
+        .filter(|(_, point)| {
+            point[2] != 0.0 && (third != ThirdNumber::Probability || point[..2] != [0.0, 0.0])
+        });
     points
         .map(|(index, point)| {
-            if ![1.0, 2.0].contains(&point[2]) {
+            if third == ThirdNumber::Visibility && ![1.0, 2.0].contains(&point[2]) {
                 let what = format!("the visibility of keypoint {index}");
                 return Err(Problem::OutOfRange {
                     what,
@@ -176,7 +193,11 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
                 point[0] * f64::from(size.width),
                 point[1] * f64::from(size.height),
             );
-            Ok(Mark { label, image })
+            let mark = Mark::new(label, image);
+            match third {
+                ThirdNumber::Visibility => Ok(mark),
+                ThirdNumber::Probability => mark.with_probability(point[2]),
+            }
         })
         .collect()
 }
@@ -184,6 +205,7 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
 /// The marks of a file of labels.
 fn marks_of_file(
     bytes: &[u8],
+    third: ThirdNumber,
     names: Option<&[String]>,
     size: ImageSize,
 ) -> Result<Vec<Mark>, Problem> {
@@ -192,10 +214,51 @@ fn marks_of_file(
     let lines = lines.lines().enumerate();
     let mut marks = Vec::new();
     for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let of_line = marks_of(line, names, size);
+        let of_line = marks_of(line, third, names, size);
         marks.extend(of_line.map_err(|problem| problem.at_line(index + 1))?);
     }
     Ok(marks)
+}
+
+/// The frames of files of labels or predictions.
+pub(in crate::exchange) fn read_with(
+    third: ThirdNumber,
+    files: &Files,
+    reading: &LabelReading<'_>,
+    unread: &mut UnreadLabels,
+) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    let yaml = files
+        .get(DATA)
+        .map(text)
+        .transpose()
+        .map_err(|problem| problem.within(DATA))?;
+    let names = yaml.and_then(names_of);
+    // Texts beside the folders of labels say something about the set: `README.roboflow.txt`.
+    let has_folders = files
+        .sorted_entries()
+        .iter()
+        .any(|(file, _)| is_in_labels(file));
+    files.read_all(|file, bytes| {
+        if !has_ending(file, "txt") || (has_folders && !is_in_labels(file)) {
+            return Ok(None);
+        }
+        let stem = without_ending(base_name(file));
+        let at_image = without_ending(file).replacen("labels/", "images/", 1);
+        // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
+        let own = (reading.sizes)(&at_image).or_else(|| (reading.sizes)(stem));
+        let size = size_or_option(&at_image, own, reading.options)?;
+        let marks = unread.keep(
+            file,
+            None,
+            marks_of_file(bytes, third, names.as_deref(), size),
+        );
+        Ok(marks.map(|marks| LabelledFrame {
+            name: stem.to_owned(),
+            image: Some(at_image),
+            size,
+            marks,
+        }))
+    })
 }
 
 impl ClickFormat for YoloPose {
@@ -281,7 +344,7 @@ impl ClickFormat for YoloPose {
     }
 
     fn is_wanted(&self, name: &str) -> bool {
-        name == DATA || (has_ending(name, "txt") && (is_in_labels(name) || !name.contains('/')))
+        is_label_file(name)
     }
 
     fn read(
@@ -290,34 +353,7 @@ impl ClickFormat for YoloPose {
         reading: &LabelReading<'_>,
         unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        let yaml = files
-            .get(DATA)
-            .map(text)
-            .transpose()
-            .map_err(|problem| problem.within(DATA))?;
-        let names = yaml.and_then(names_of);
-        // Texts beside the folders of labels say something about the set: `README.roboflow.txt`.
-        let has_folders = files
-            .sorted_entries()
-            .iter()
-            .any(|(file, _)| is_in_labels(file));
-        files.read_all(|file, bytes| {
-            if !has_ending(file, "txt") || (has_folders && !is_in_labels(file)) {
-                return Ok(None);
-            }
-            let stem = without_ending(base_name(file));
-            let at_image = without_ending(file).replacen("labels/", "images/", 1);
-            // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
-            let own = (reading.sizes)(&at_image).or_else(|| (reading.sizes)(stem));
-            let size = size_or_option(&at_image, own, reading.options)?;
-            let marks = unread.keep(file, None, marks_of_file(bytes, names.as_deref(), size));
-            Ok(marks.map(|marks| LabelledFrame {
-                name: stem.to_owned(),
-                image: Some(at_image),
-                size,
-                marks,
-            }))
-        })
+        read_with(ThirdNumber::Visibility, files, reading, unread)
     }
 }
 
@@ -428,7 +464,7 @@ mod tests {
             ),
         ] {
             assert_eq!(
-                marks_of(line, names.as_deref(), SIZE)
+                marks_of(line, ThirdNumber::Visibility, names.as_deref(), SIZE)
                     .unwrap_err()
                     .to_string(),
                 wanted

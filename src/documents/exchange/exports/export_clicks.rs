@@ -2,7 +2,7 @@
 
 use super::choose::{NOT_SOLVED, is_chosen, nothing, other_proportions, refuse_same_names};
 use super::exported::Exported;
-use crate::document::{Click, DocumentAt, Fields, Frame, Target};
+use crate::document::{Click, DocumentAt, Fields, Frame, FrameStatus, Target};
 use crate::exchange::cameras::camera_format::file_stem;
 use crate::exchange::cameras::picture_size::has_same_proportions;
 use crate::exchange::click_formats::clicked_frame::{
@@ -48,15 +48,7 @@ pub fn export_clicks(
         let field = fields.for_frame(document, frame);
         // The points, and why there are none if that is so.
         let (clicks, why_none): (Vec<Click>, &str) = match options.points {
-            PointSource::Clicked => (
-                frame
-                    .clicks
-                    .iter()
-                    .filter(|click| click.target.is_some())
-                    .cloned()
-                    .collect(),
-                "it has no clicks",
-            ),
+            PointSource::Clicked => clicks_of(frame),
             PointSource::Projected => match document.ptz_camera(frame) {
                 Some(camera) => (
                     project_to_clicks(field, &camera, frame.image_size),
@@ -145,6 +137,22 @@ pub fn export_clicks(
         dataset: None,
         files,
     })
+}
+
+/// The clicks of a frame that are a person's or that a person accepted, and why there are none if
+/// that is so.
+fn clicks_of(frame: &Frame) -> (Vec<Click>, &'static str) {
+    let is_accepted = frame.status == FrameStatus::Reference;
+    let labels = frame
+        .clicks
+        .iter()
+        .filter(|click| click.target.is_some() && (is_accepted || !click.is_by_model()));
+    let why_none = if frame.has_points_of_models_alone() {
+        "it has points of a model alone, which no person accepted"
+    } else {
+        "it has no clicks"
+    };
+    (labels.cloned().collect(), why_none)
 }
 
 /// A frame with its clicks on a picture of another size, or why that is not possible.

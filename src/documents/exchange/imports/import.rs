@@ -10,7 +10,7 @@ use crate::exchange::files::{Files, no_files};
 use crate::exchange::format::Format;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::registry::{Codec, codec};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The size of the authors' field where there is no model of it, yards.
 const AUTHORS_FIELD_YD: [f64; 2] = [118.0, 70.0];
@@ -31,14 +31,7 @@ pub fn import(
             instead: "exported",
         });
     }
-    // Relative paths of the new document start where the foreign files lie, because their pictures
-    // usually lie there, too.
-    let folder = if path.is_dir() {
-        path
-    } else {
-        path.parent().unwrap_or(path)
-    };
-    let folder = resolve_path(folder);
+    let folder = folder_of(path);
     let document = match codec(format) {
         Codec::Cameras(codec) => return import_cameras(path, &folder, format, codec, options),
         Codec::Clicks(codec) => return import_clicks(path, &folder, format, codec, options),
@@ -56,6 +49,17 @@ pub fn import(
         notes: Vec::new(),
         failures: Vec::new(),
     })
+}
+
+/// The folder that relative paths of an imported document start from: where the foreign files lie,
+/// because their pictures usually lie there, too.
+pub(in crate::exchange) fn folder_of(path: &Path) -> PathBuf {
+    let folder = if path.is_dir() {
+        path
+    } else {
+        path.parent().unwrap_or(path)
+    };
+    resolve_path(folder)
 }
 
 /// Reads a document of this program. A folder gives none: which file of it is meant must be said.

@@ -2,13 +2,16 @@
 
 use super::imported::Imported;
 use super::pictures::{image_of, refuse_shared_pictures};
-use crate::document::{Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between};
+use crate::document::{
+    Click, ClickOrigin, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between,
+};
 use crate::exchange::cameras::into_document::Cameras;
 use crate::exchange::cameras::picture_size::{FittedSizes, has_same_proportions};
 use crate::exchange::click_formats::clicked_frame::{
     ClickFormat, LabelReading, LabelledFrame, Mark, read_labels,
 };
 use crate::exchange::click_formats::labels::{Meaning, describe_counts};
+use crate::exchange::click_formats::point_sigma::sigma_by_probability_px;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, no_files};
 use crate::exchange::format::Format;
@@ -17,7 +20,7 @@ use crate::exchange::syntax::values::shorten;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::{ImagePoint, ImageSize, pluralise};
 
 /// The maximum distance of a point from the picture's corner, px. A picture has at most 65,535 px a
 /// side, so that a point this far away is a mistake, not one dragged beyond the border.
@@ -80,16 +83,25 @@ pub fn import_clicks(
     // error names everything that the map must have.
     let mut unmapped: BTreeMap<String, usize> = BTreeMap::new();
     let mut twice: BTreeMap<String, usize> = BTreeMap::new();
+    let mut improbable = 0;
     for frame in frames {
         let mut clicks = Vec::new();
         for mark in &frame.marks {
+            if is_improbable(mark, options) {
+                improbable += 1;
+                continue;
+            }
             match labels.meaning(&mark.label, &field)? {
-                Meaning::Target(target) => clicks.push(Click::new(target, mark.image)),
+                Meaning::Target(target) => clicks.push(click_of(mark, target, &frame, options)),
                 Meaning::Nothing => {}
                 Meaning::Unknown => *unmapped.entry(mark.label.clone()).or_default() += 1,
             }
         }
-        drop_repeated_landmarks(&mut clicks, &mut twice);
+        if options.model.is_some() {
+            keep_most_probable(&mut clicks);
+        } else {
+            drop_repeated_landmarks(&mut clicks, &mut twice);
+        }
         document.frames.push(
             frame_of(
                 &frame,
@@ -114,6 +126,10 @@ pub fn import_clicks(
             describe_counts(&unmapped)
         ));
     }
+    if improbable > 0 {
+        let count = pluralise(improbable, "point");
+        notes.push(format!("{count} below --min-probability left out"));
+    }
     notes.extend(note_repeated(&twice));
     notes.extend(field_size_note(&field));
     Ok(Imported {
@@ -123,6 +139,60 @@ pub fn import_clicks(
         notes,
         failures: unread.describe(read).into_iter().collect(),
     })
+}
+
+/// Whether a model thinks too little of a point.
+fn is_improbable(mark: &Mark, options: &ImportOptions) -> bool {
+    let least = options.model.as_ref().map(|model| model.min_probability);
+    least
+        .zip(mark.probability)
+        .is_some_and(|(least, probability)| probability < least)
+}
+
+/// The click of a mark: a person's, or a point of the model of the options.
+fn click_of(mark: &Mark, target: Target, frame: &LabelledFrame, options: &ImportOptions) -> Click {
+    let by_probability = mark
+        .probability
+        .map(|probability| sigma_by_probability_px(probability, frame.size));
+    let origin = options.model.as_ref().map(|model| ClickOrigin {
+        label: Some(mark.label.clone()),
+        probability: mark.probability,
+        sigma_px: mark.sigma_px.or(by_probability),
+        ..ClickOrigin::from_model(&model.name)
+    });
+    Click {
+        origin: origin.map(Box::new),
+        ..Click::new(target, mark.image)
+    }
+}
+
+/// Keeps one of the points that a model gives of a landmark: the most probable, of equal ones the
+/// first. A line keeps all its points.
+fn keep_most_probable(clicks: &mut Vec<Click>) {
+    let probability = |click: &Click| {
+        let origin = click.origin.as_ref();
+        origin.and_then(|origin| origin.probability).unwrap_or(1.0)
+    };
+    let mut best: BTreeMap<Target, (usize, f64)> = BTreeMap::new();
+    for (index, click) in clicks.iter().enumerate() {
+        if let Some(target) = click
+            .target
+            .clone()
+            .filter(|target| target.line().is_none())
+        {
+            let here = (index, probability(click));
+            let known = best.entry(target).or_insert(here);
+            if here.1 > known.1 {
+                *known = here;
+            }
+        }
+    }
+    let best: BTreeSet<usize> = best.into_values().map(|(index, _)| index).collect();
+    let mut index = 0..;
+    clicks.retain(|click| {
+        let here = index.next();
+        click.is_on_line() || here.is_some_and(|here| best.contains(&here))
+    });
 }
 
 /// Rescales a frame whose picture is not there to the size that the user gave, or to that of the
@@ -157,6 +227,7 @@ fn fit_to_options(
     let factor = f64::from(size.width) / f64::from(stated.width);
     for mark in &mut frame.marks {
         mark.image = ImagePoint::new(mark.image.x * factor, mark.image.y * factor);
+        mark.sigma_px = mark.sigma_px.map(|sigma_px| sigma_px * factor);
     }
     frame.size = size;
     rescaled.count(stated, size);
@@ -280,8 +351,9 @@ fn frame_of(
 ) -> Frame {
     let named = frame.image.as_deref().unwrap_or(&frame.name);
     let path = path_between(folder, &images.join(image_of(named, images).0));
-    // A frame that was opened in the other tool and got no point counts as not begun.
-    let status = if clicks.is_empty() {
+    // A frame that was opened in the other tool and got no point counts as not begun, and so does
+    // one with points of a model alone.
+    let status = if clicks.iter().all(Click::is_by_model) {
         FrameStatus::New
     } else {
         FrameStatus::Draft

@@ -221,7 +221,12 @@ fn label(
     if !imported.clicks.is_empty() && frame.clicks.is_empty() && is_undecided {
         frame.clicks.clone_from(&imported.clicks);
         if imported.ptz.is_none() {
-            frame.status = FrameStatus::Draft;
+            // Points of a model are no person's work.
+            frame.status = if frame.has_points_of_models_alone() {
+                frame.undecided_status()
+            } else {
+                FrameStatus::Draft
+            };
         }
         changed = true;
     }

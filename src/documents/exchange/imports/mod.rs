@@ -9,6 +9,7 @@ mod import_cameras;
 pub mod import_clicks;
 pub mod imported;
 pub mod join;
+mod lookalike;
 pub mod picture_points;
 mod pictures;
 mod places;

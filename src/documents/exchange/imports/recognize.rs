@@ -5,10 +5,11 @@
 //! ignored, so that one damaged file in a folder does not matter. Where files of several formats
 //! lie together, the user decides.
 
+use super::lookalike::Lookalike;
 use crate::exchange::click_formats::points_table::COLUMNS as POINT_COLUMNS;
 use crate::exchange::click_formats::soccernet_lines::GAME_STATE;
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::{Files, base_name, refuse_archive, text};
+use crate::exchange::files::{Files, base_name, ending_of, refuse_archive, text};
 use crate::exchange::format::Format;
 use crate::exchange::registry::{Codec, codec};
 use crate::exchange::syntax::node::parse;
@@ -49,8 +50,13 @@ pub fn recognize_format(path: &Path) -> Result<Format, ExchangeError> {
             if let (false, [(name, bytes)]) = (is_folder, &files.sorted_entries()[..]) {
                 refuse_archive(bytes).map_err(|problem| problem.within(name))?;
             }
+            let entries = files.sorted_entries();
+            let mut known = entries
+                .iter()
+                .filter_map(|(name, bytes)| Lookalike::from_file(name, bytes));
             Err(ExchangeError::UnknownFormat {
                 path: path.to_path_buf(),
+                hint: known.next().map(Lookalike::hint),
             })
         }
         _ => Err(ExchangeError::SeveralFormats {
@@ -83,12 +89,6 @@ impl Sample {
         self.taken += usize::from(takes);
         takes
     }
-}
-
-/// A file's ending in small letters; empty where it has none.
-fn ending_of(name: &str) -> String {
-    let ending = base_name(name).rsplit_once('.').map(|(_, ending)| ending);
-    ending.unwrap_or_default().to_ascii_lowercase()
 }
 
 /// Whether some format has files of this ending.
@@ -132,6 +132,9 @@ fn format_of_table(bytes: &[u8]) -> Option<Format> {
     let table = Table::read(bytes).ok()?;
     if table.needs(&["r11", "focal_px"]).is_ok() {
         return Some(Format::Csv);
+    }
+    if table.needs(&["homography_matrix"]).is_ok() {
+        return Some(Format::Homographies);
     }
     if table.needs(&POINT_COLUMNS).is_ok() {
         return Some(Format::Points);

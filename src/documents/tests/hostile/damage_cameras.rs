@@ -12,6 +12,7 @@ pub fn add(damage: &mut Damage) {
         Format::Wc14 => wc14(damage),
         Format::TsWorldCup => tsworldcup(damage),
         Format::Homography => homography(damage),
+        Format::Homographies => homographies(damage),
         Format::BroadTrack => broadtrack(damage),
         Format::Colmap => colmap(damage),
         Format::OpenCv => opencv(damage),
@@ -162,6 +163,34 @@ fn tsworldcup(damage: &mut Damage) {
     damage.bytes("nan", with(128, &f64::NAN.to_le_bytes()));
     damage.bytes("singular", with(128, &[0; 72]));
     damage.bytes("infinite", with(128, &f64::INFINITY.to_le_bytes()));
+}
+
+fn homographies(damage: &mut Damage) {
+    damage.bytes("another-table", "a,b\n1,2\n");
+    damage.bytes("no-columns", "\n");
+    damage.swap("another-column", "homography", "colour");
+    damage.swap("eight-numbers", "\"[[-0.2852303786, ", "\"[[");
+    damage.swap(
+        "ten-numbers",
+        "\"[[-0.2852303786, ",
+        "\"[[1, -0.2852303786, ",
+    );
+    damage.swap("a-word", "-0.2852303786", "minus");
+    damage.swap("nan", "-0.2852303786", "NaN");
+    damage.swap("infinite", "-0.2852303786", "inf");
+    damage.swap("singular", "[0, -0.01592175417, 1]", "[0, 0, 0]");
+    damage.swap("no-matrix", "0001.jpg,\"", "0001.jpg,\"\"\n0003.jpg,\"");
+    damage.swap("a-frame-twice", "0002.jpg", "0001.jpg");
+    damage.swap("leaves-the-folder", "0001.jpg", "../0001.jpg");
+    damage.swap("an-open-quote", "]]\"", "]]");
+    damage.swap("a-field-more", "0001.jpg,", "0001.jpg,1,");
+    damage.swap("a-column-twice", "homography", "image");
+    damage.options("no-plane", |options| {
+        options.homographies.plan = None;
+    });
+    damage.options("no-direction", |options| {
+        options.homographies.direction = None;
+    });
 }
 
 fn homography(damage: &mut Damage) {

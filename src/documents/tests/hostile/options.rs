@@ -6,8 +6,8 @@ use std::path::Path;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{Click, Document, Stage};
 use touchline_documents::exchange::{
-    Direction, ExportOptions, Format, FormatOption, Gaps, ImportOptions, KeypointNames, LabelMap,
-    Pixels, PointSource, Rate, Rotations, Timecode, Zoom, export,
+    Direction, ExportOptions, Format, FormatOption, Gaps, GroundPlan, ImportOptions, KeypointNames,
+    LabelMap, MatrixDirection, Pixels, PointSource, Rate, Rotations, Timecode, Zoom, export,
 };
 
 /// What the test calls the options of imports that the command line heeds by itself.
@@ -126,6 +126,11 @@ fn set_reading(option: FormatOption, options: &mut ImportOptions) {
         }
         FormatOption::Zoom => options.zoom = Some(Zoom::Table(vec![(0.0, 1e3), (1e4, 9e4)])),
         FormatOption::SensorMm => options.sensor_width_mm = Some(7.0),
+        FormatOption::Template => options.homographies.plan = Some(GroundPlan::CornerMetres),
+        FormatOption::Direction => {
+            options.homographies.direction = Some(MatrixDirection::ImageFromPitch);
+        }
+        FormatOption::Columns => options.homographies.matrix_column = Some("other".to_owned()),
         _ => {}
     }
 }

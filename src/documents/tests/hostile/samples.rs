@@ -6,7 +6,8 @@ use touchline_core::geometry::ImagePoint;
 use touchline_core::testing::{SIZE, TestBase, base_at};
 use touchline_documents::document::{Click, Document, FieldSpec, FrameStatus, VideoFrame};
 use touchline_documents::exchange::{
-    ExchangeError, ExportOptions, Format, ImportOptions, Imported, Zoom, export, import,
+    ExchangeError, ExportOptions, Format, GroundPlan, HomographyOptions, ImportOptions, Imported,
+    MatrixDirection, Zoom, export, import,
 };
 use touchline_documents::testing::{match_from, new_frame, ptz_at};
 
@@ -31,6 +32,11 @@ impl Sample {
         let mut options = ImportOptions {
             size: Some(SIZE),
             zoom: Some(Zoom::FocalPx),
+            homographies: HomographyOptions {
+                plan: Some(GroundPlan::CentreMetres),
+                direction: Some(MatrixDirection::PitchFromImage),
+                ..HomographyOptions::default()
+            },
             ..ImportOptions::default()
         };
         if format == Format::DeepSport {
@@ -127,6 +133,7 @@ fn files(format: Format) -> NamedFiles {
     match format {
         Format::Cvat => one("annotations.xml", CVAT),
         Format::Points => one("points.csv", POINTS),
+        Format::Homographies => one("homographies.csv", HOMOGRAPHIES),
         Format::DeepSport => one("camcourt1_7.json", DEEPSPORT),
         Format::PnlCalib => one("0001.json", PNLCALIB),
         Format::AuthorsMat => vec![(
@@ -173,6 +180,13 @@ const PNLCALIB: &str = r#"{"cam_params":{"pan_degrees":12.5,"tilt_degrees":78.8,
  "x_focal_length":2410.0,"y_focal_length":2410.0,"principal_point":[960.0,540.0],"radial_distortion":[0,0,0,0,0,0],
  "tangential_distortion":[0,0],"thin_prism_distortion":[0,0,0,0],"rotation_matrix":[[1,0,0],[0,1,0],[0,0,1]]}}
 "#;
+
+const HOMOGRAPHIES: &str = "image,homography
+0001.jpg,\"[[-0.2852303786, 0.01228222517, 117.69701651986],
+ [0.06323405255, 1.01070678755, -824.93520766999], [0, -0.01592175417, 1]]\"
+0002.jpg,\"[[-0.2852303786, 0.01228222517, 117.69701651986],
+ [0.06323405255, 1.01070678755, -824.93520766999], [0, -0.01592175417, 1]]\"
+";
 
 const POINTS: &str = "frame,label,x,y
 0001.jpg,centre_mark,444.68,789.18

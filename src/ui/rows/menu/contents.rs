@@ -45,6 +45,7 @@ const SUBMENUS: [(&str, &[Command]); 13] = [
             Command::ToggleCheck,
             Command::NextClick,
             Command::PreviousClick,
+            Command::RemoveModelPoints,
         ],
     ),
     (

@@ -172,6 +172,7 @@ impl App {
         if let Some(click) = frame.clicks.get_mut(click)
             && to.is_finite()
         {
+            click.take_over();
             click.image = clamp_to_picture(to, size);
             click.snapped_sigma_px = None;
         }
@@ -218,7 +219,7 @@ impl App {
         self.session.forget_placed();
         if self.begin(format!("Delete {name}")) {
             if let Some(frame) = self.frame_mut() {
-                frame.retain_clicks(|place, _| place != click);
+                frame.refuse_clicks(|place, _| place == click);
             }
             self.session.points.selected = None;
             self.clicks_changed();

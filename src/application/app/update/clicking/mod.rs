@@ -6,4 +6,5 @@ mod clicks;
 pub mod gold;
 mod grab;
 mod masks;
+mod model_points;
 mod naming;

@@ -181,6 +181,7 @@ impl App {
             if let Some(frame) = self.frame_mut() {
                 for BetterName { click, target } in renames {
                     if let Some(click) = frame.clicks.get_mut(click) {
+                        click.take_over();
                         click.target = Some(target);
                     }
                 }
@@ -225,6 +226,7 @@ impl App {
             if let Some(frame) = self.frame_mut() {
                 for (click, name) in clicks.into_iter().zip(names) {
                     if let Some(click) = frame.clicks.get_mut(click) {
+                        click.take_over();
                         click.target = Some(name);
                     }
                 }
@@ -276,6 +278,7 @@ impl App {
                 .frame_mut()
                 .and_then(|frame| frame.clicks.get_mut(click))
             {
+                click.take_over();
                 click.target = Some(target.clone());
             }
             self.session.points.selected = Some(click);

@@ -4,6 +4,7 @@ use super::sample::{CAMERA, Sample};
 use super::{Reading, hold, notes, samples, second_camera_note};
 use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
+use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::{About, Format};
@@ -141,12 +142,17 @@ impl CameraFormat for FreeDCsv {
             let table = Table::read(bytes)?;
             // From the angles to the zoom; numbers, times and the focus may be absent.
             table.needs(&COLUMNS[4..11])?;
-            let mut frames = Vec::new();
+            let mut frames = FrameCollector::default();
             for row in table.rows() {
-                frames.push(read_row(row, reading, &format!("{count:06}"))?);
+                let name = format!("{count:06}");
+                let number = row.frame_index().ok().flatten();
+                frames.add_numbered(&name, number, read_row(row, reading, &name));
                 count += 1;
+                if frames.has_only_damaged() {
+                    break;
+                }
             }
-            Ok(frames)
+            frames.finish()
         })
     }
 }

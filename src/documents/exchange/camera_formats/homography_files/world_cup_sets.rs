@@ -22,7 +22,7 @@ use touchline_core::field::YARD_M;
 use touchline_core::geometry::{ImageSize, Mat3};
 
 /// The template of both sets, yards.
-const TEMPLATE_YD: [f64; 2] = [114.83, 74.37];
+pub(super) const TEMPLATE_YD: [f64; 2] = [114.83, 74.37];
 /// The pictures of both sets.
 const SET_SIZE: ImageSize = ImageSize::new(1280, 720);
 /// The ending of the World Cup 2014 set's files.

@@ -56,7 +56,8 @@ const CONVENTIONS: &str = "\n## Conventions\n
 - x_cam = R (X - C); camera x right, y down, z forward. R = R_tilt R_pan base_from_world; pan positive right, tilt positive up, degrees.
 - Distortion: x_d = x (1 + k1 r^2 + k2 r^4) on normalised coordinates.
 - `label` in `frames.csv`: `clicked` (a person's clicks), `snapped` (aligned to the painted lines), `tracked`, `suggested` (neither looked at by a person), \
-`tracked_and_accepted`, `suggested_and_accepted` (proposed by the program, accepted by a person), `imported`, `set_by_hand`, `interpolated`, \
+`tracked_and_accepted`, `suggested_and_accepted` (proposed by the program, accepted by a person), \
+`points`, `points_and_accepted` (of another program's model), `imported`, `set_by_hand`, `interpolated`, \
 `clicks_only` (no camera). A click with `snapped_sigma_px` was moved to the paint; one with `check` was held out of the solve.
 ";
 

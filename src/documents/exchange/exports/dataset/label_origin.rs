@@ -18,6 +18,10 @@ pub enum LabelOrigin {
     Suggested,
     /// The same, accepted by a person.
     SuggestedAccepted,
+    /// Points of another program's model, not reviewed.
+    Points,
+    /// The same, accepted by a person.
+    PointsAccepted,
     /// A foreign file.
     Imported,
     /// Numbers set by the user.
@@ -46,6 +50,8 @@ impl LabelOrigin {
             Some(SolutionSource::Forest) => Self::Suggested,
             Some(SolutionSource::Manual) => Self::SetByHand,
             Some(SolutionSource::Interpolated) => Self::Interpolated,
+            Some(SolutionSource::Points) if accepted => Self::PointsAccepted,
+            Some(SolutionSource::Points) => Self::Points,
             Some(SolutionSource::Clicks) => Self::Clicked,
             None if is_clicked => Self::Clicked,
             Some(SolutionSource::Import) | None => Self::Imported,
@@ -62,6 +68,8 @@ impl LabelOrigin {
             Self::TrackedAccepted => "tracked_and_accepted",
             Self::Suggested => "suggested",
             Self::SuggestedAccepted => "suggested_and_accepted",
+            Self::Points => "points",
+            Self::PointsAccepted => "points_and_accepted",
             Self::Imported => "imported",
             Self::SetByHand => "set_by_hand",
             Self::Interpolated => "interpolated",

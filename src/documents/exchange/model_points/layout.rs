@@ -1,0 +1,91 @@
+//! The layouts of files with points of models.
+
+use super::json_map::JsonMap;
+use super::pnlcalib::PnlCalibPoints;
+use super::scored::{ScoredCoco, ScoredTable, ScoredYolo};
+use crate::exchange::click_formats::clicked_frame::ClickFormat;
+use crate::exchange::error::ExchangeError;
+use crate::exchange::format::Format;
+use crate::exchange::format_options::FormatOption;
+use crate::exchange::imports::import_clicks::import_clicks;
+use crate::exchange::imports::imported::Imported;
+use crate::exchange::options::ImportOptions;
+use std::path::Path;
+
+/// A layout of files with points of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PointLayout {
+    /// `PnLCalib`'s and No Bells Just Whistles' points and lines, one JSON file a picture.
+    PnlCalib,
+    /// Predictions of Ultralytics' pose models.
+    YoloPose,
+    /// COCO keypoints or results with a probability as the third number of a point.
+    Coco,
+    /// A JSON map: picture, label, point.
+    JsonMap,
+    /// A table: frame, label, x, y, and p or `sigma_px`.
+    Table,
+}
+
+impl PointLayout {
+    /// Every layout, in the order of the help.
+    pub const ALL: [Self; 5] = [
+        Self::PnlCalib,
+        Self::YoloPose,
+        Self::Coco,
+        Self::JsonMap,
+        Self::Table,
+    ];
+
+    fn reader(self) -> &'static dyn ClickFormat {
+        match self {
+            Self::PnlCalib => &PnlCalibPoints,
+            Self::YoloPose => &ScoredYolo,
+            Self::Coco => &ScoredCoco,
+            Self::JsonMap => &JsonMap,
+            Self::Table => &ScoredTable,
+        }
+    }
+
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.reader().about().name
+    }
+
+    /// Refuses options that it does not take.
+    ///
+    /// # Errors
+    /// One of them is such an option; the formats that take it are named.
+    pub fn refuse_options(
+        self,
+        given: impl IntoIterator<Item = FormatOption>,
+    ) -> Result<(), ExchangeError> {
+        let taken = self.reader().about().import_options;
+        let mut given = given.into_iter();
+        match given.find(|option| !taken.contains(option)) {
+            None => Ok(()),
+            Some(option) => Err(ExchangeError::OptionNotTaken {
+                what: format!("--points in the layout {}", self.name()),
+                option: option.name(),
+                takers: option.takers(crate::exchange::format_options::Direction::Import),
+            }),
+        }
+    }
+}
+
+/// Reads a file or folder of a model's points as a document. Its frames are new: what the points
+/// give is a suggestion until a person accepts it. `options` names the
+/// [model](ImportOptions::model).
+///
+/// # Errors
+/// It cannot be read, is damaged, or has labels that mean nothing.
+pub fn import_points(
+    path: &Path,
+    layout: PointLayout,
+    options: &ImportOptions,
+) -> Result<Imported, ExchangeError> {
+    let folder = crate::exchange::imports::import::folder_of(path);
+    import_clicks(path, &folder, Format::Points, layout.reader(), options)
+}
