@@ -308,7 +308,7 @@ mod tests {
             ),
             (
                 r#"{"kp": {"1": {"x": 0, "p": 0.2}}}"#,
-                "a.json: kp.1.y is missing",
+                "a.json: kp[\"1\"].y is missing",
             ),
             ("{}", "a.json: kp is missing"),
         ] {
