@@ -132,7 +132,7 @@ fn wrong_points_and_options_are_refused_in_one_line() {
     for (arguments, wanted) in [
         (
             "import --points points.json --layout json-map --size 64x36 -o o.json",
-            "points.json: the probability of \"centre_mark\" is 7, and must be between 0 and 1",
+            "points.json: the probability of \"centre_mark\" is 7, which must be between 0 and 1",
         ),
         (
             "import --points points.json --layout pnlcalib --map soccernet -o o.json",

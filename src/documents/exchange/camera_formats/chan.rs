@@ -290,8 +290,8 @@ mod tests {
                 "line 1: a column: a number is expected, found \"frame\"",
             ),
             (
-                "412 0 18 60 -11 -12 0 25\n413 0 18 nan -11 -12 0 25\n",
-                "line 2: a column is not a finite number",
+                "413 0 18 nan -11 -12 0 25\n",
+                "line 1: a column is not a finite number",
             ),
             (
                 "412 0 18 60 -11 -12 0 0\n",

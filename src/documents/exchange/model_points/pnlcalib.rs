@@ -303,12 +303,12 @@ mod tests {
         for (text, wanted) in [
             (
                 r#"{"kp": {"1": {"x": 0, "y": 0, "p": 2}}}"#,
-                "a.json: the probability of \"point 1\" is 2, and must be between 0 and 1; files \
+                "a.json: the probability of \"point 1\" is 2, which must be between 0 and 1; files \
                  of labels are imported without --points",
             ),
             (
                 r#"{"kp": {"1": {"x": 0, "p": 0.2}}}"#,
-                "a.json: kp.1.y is missing",
+                "a.json: kp[\"1\"].y is missing",
             ),
             ("{}", "a.json: kp is missing"),
         ] {

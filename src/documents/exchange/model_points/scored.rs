@@ -211,7 +211,7 @@ mod tests {
         let error = read_alone(&ScoredCoco, &files, &ImportOptions::default(), Some(SIZE));
         assert_eq!(
             error.unwrap_err().to_string(),
-            "results.json: the probability of \"0\" is 2, and must be between 0 and 1; files of \
+            "results.json: the probability of \"0\" is 2, which must be between 0 and 1; files of \
              labels are imported without --points"
         );
     }

@@ -178,12 +178,17 @@ fn read_table(bytes: &[u8], reading: &Reading<'_>) -> Result<Vec<FrameCamera>, P
     for (index, row) in table.rows().enumerate() {
         let name = name_column.as_deref().and_then(|column| row.text(column));
         let name = name.map_or_else(|| format!("{:06}", index + 1), ToOwned::to_owned);
-        let read = safe_path(&name).and_then(|path| {
+        // A name that leads out of the folder is none, also of a frame without a camera.
+        let (name, is_safe) = match safe_path(&name) {
+            Ok(path) => (path, Ok(())),
+            Err(problem) => (format!("line {}", row.line()), Err(problem)),
+        };
+        let read = is_safe.and_then(|()| {
             let h = matrix_of_row(&row, column.as_deref())?;
             let is_shuttle = reading.plan == GroundPlan::ShuttleSet
                 && reading.direction == MatrixDirection::PitchFromImage;
             let own = is_shuttle.then(|| drawing_of_corners(&row, &h, &reading.field));
-            reading.frame(&path, &h, own.flatten())
+            reading.frame(&name, &h, own.flatten())
         });
         frames.add(&name, None, read);
         if frames.has_only_damaged() {
