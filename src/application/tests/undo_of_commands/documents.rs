@@ -1,14 +1,10 @@
 //! The documents on which the commands are done: the demo match, with its pictures.
 
-use rand::RngExt as _;
 use std::path::{Path, PathBuf};
-use touchline_application::app::App;
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::Ptz;
 use touchline_core::geometry::{ImageSize, Vec3};
-use touchline_core::testing::seeded::rng;
-use touchline_core::testing::{ground_landmarks, soccer};
 use touchline_documents::document::{
-    Click, ClickOrigin, Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
+    ClickOrigin, Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
 };
 use touchline_documents::testing::{WithFrames, a_match, answered_by, load, new_video_frame};
 
@@ -117,36 +113,6 @@ pub fn unseen() -> Document {
         frame.clicks.clear();
     }
     document
-}
-
-/// The first frame has two clicks that two focal lengths fit.
-pub fn two_focal_lengths() -> Document {
-    let mut document = unseen();
-    let base = document.cameras[0].base().unwrap();
-    let size = document.frames[0].image_size;
-    let field = soccer();
-    let mut random = rng("two focal lengths fit");
-    for _ in 0..400 {
-        let ptz = Ptz::from_degrees(
-            random.random_range(-40.0..40.0),
-            random.random_range(-25.0..-6.0),
-            random.random_range(900.0..5000.0),
-        );
-        let camera = PtzCamera::new(base, ptz);
-        let seen: Vec<Click> = ground_landmarks(&field, &camera)
-            .filter(|(_, _, at)| size.contains(*at))
-            .map(|(_, landmark, at)| Click::landmark(landmark.id.clone(), at))
-            .collect();
-        for pair in seen.windows(2) {
-            document.frames[0].clicks = pair.to_vec();
-            document.frames[0].status = FrameStatus::Draft;
-            let app = App::with_document(document.clone());
-            if app.current().other_root().is_some() {
-                return document;
-            }
-        }
-    }
-    panic!("no pair of clicks has two focal lengths");
 }
 
 /// Thirty frames of a video with three shots.

@@ -1,8 +1,7 @@
 //! What each command does to a document. A new command does not compile without its line here.
 
 use super::documents::{
-    blank, demo, displaced, drafts, imported, pointed, suggested, turned, two_focal_lengths,
-    unseen, video,
+    blank, demo, displaced, drafts, imported, pointed, suggested, turned, unseen, video,
 };
 use super::scene::Scene;
 use crate::burnt_in_in_app::found_mask;
@@ -274,10 +273,7 @@ pub fn plan(command: Command) -> Plan {
             scene.command(C::MendCameras);
             scene.wait_for_work();
         }),
-        C::SwitchRoot => change(two_focal_lengths, nothing, |scene| scene.command(C::SwitchRoot)),
-        // The pictures of the demo match show the length that is stated. Its undo is tested beside
-        // the operation.
-        C::TakeLength => Plan::NotGiven,
+        C::SwitchRoot | C::TakeLength => Plan::NotGiven,
         // Cameras and field.
         C::FindCamera => given(of_five, nothing, |scene| {
             scene.command(C::FindCamera);

@@ -24,7 +24,7 @@ pub(super) const RECENT_BELOW: Command = Command::OpenQueue;
 
 /// Groups of commands that are submenus at the top of their menu. No menu is longer than twelve
 /// rows.
-const SUBMENUS: [(&str, &[Command]); 13] = [
+const SUBMENUS: [(&str, &[Command]); 14] = [
     (
         "Open other",
         &[
@@ -159,6 +159,10 @@ const SUBMENUS: [(&str, &[Command]); 13] = [
             Command::ConfirmFieldSize,
             Command::FitFieldSize,
         ],
+    ),
+    (
+        "Map and curves",
+        &[Command::ShowFieldMap, Command::ShowCurves],
     ),
     (
         "Zoom",

@@ -11,12 +11,14 @@ impl App {
     /// of its own.
     #[must_use]
     pub fn judgement(&self) -> Option<Judgement> {
-        // If the clicks contradict each other, that reason is the one to read.
+        // If the clicks contradict each other, that reason is the one to read. Numbers that were set
+        // by hand have no clicks that could.
         let judgement = self.current.judgement.clone();
         let is_uncertain = self.is_only_uncertain();
         if let Some(judgement) = &judgement
             && judgement.verdict != Verdict::Good
             && !is_uncertain
+            && !self.current.by_hand
         {
             return Some(judgement.clone());
         }
