@@ -635,6 +635,7 @@ fn the_cuts_of_a_video_are_found() {
 }
 
 fn joined_clips_have_their_shots_and_transitions() {
+    use ShotKind::{Cut, Fade, Transition};
     let folder = tempfile::tempdir().unwrap();
     let data = frames_folder();
     let inputs = [
@@ -670,7 +671,6 @@ fn joined_clips_have_their_shots_and_transitions() {
     );
     let found = cuts(&folder.path().join("joined.mp4")).cuts;
     let kinds: Vec<ShotKind> = found.iter().map(|(_, kind)| *kind).collect();
-    use ShotKind::{Cut, Fade, Transition};
     assert_eq!(
         kinds,
         [Cut, Transition, Fade, Cut, Transition, Fade],

