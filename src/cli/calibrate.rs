@@ -118,7 +118,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         {
             messages.note(&format!("the project cannot be written yet: {error:#}"));
         }
-        report.hear(event);
+        report.on_event(event);
         interrupt.check()
     });
     // Find the camera and label the frames.

@@ -36,7 +36,7 @@ impl MatchReport {
     }
 
     /// Reports one event.
-    pub fn hear(&self, event: MatchEvent) {
+    pub fn on_event(&self, event: MatchEvent) {
         let messages = self.messages;
         // A panic in another thread leaves at worst a stale bar, which is no reason to panic here.
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
@@ -116,7 +116,7 @@ impl MatchReport {
             }
             MatchEvent::Tracking(event) => {
                 shown.bar.clear();
-                shown.tracking.hear(event);
+                shown.tracking.on_event(event);
             }
         }
     }

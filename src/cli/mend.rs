@@ -94,7 +94,7 @@ pub fn mend(args: &MendArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let report = Mutex::new(MendReport::new(messages));
     let progress = Progress::new(|event| {
         let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
-        report.hear(event);
+        report.on_event(event);
         interrupt.check()
     });
     let options = MendOptions { shifts };
@@ -244,7 +244,7 @@ impl MendReport {
         }
     }
 
-    fn hear(&mut self, event: MendEvent) {
+    fn on_event(&mut self, event: MendEvent) {
         match event {
             MendEvent::Cuts(share) => self.show("Cuts", share),
             MendEvent::Sampling(share) => self.show("Sample", share),
@@ -256,7 +256,7 @@ impl MendReport {
             }
             MendEvent::Tracking(event) => {
                 self.bar.clear();
-                self.tracking.hear(event);
+                self.tracking.on_event(event);
             }
         }
     }

@@ -4,7 +4,7 @@ use super::Outcome;
 use crate::cli::terminal::document::{
     Destination, DocumentOutput, Loaded, is_document, refuse_unwritable,
 };
-use crate::cli::terminal::features::{FeaturesArg, tell_refusal};
+use crate::cli::terminal::features::{FeaturesArg, report_refusal};
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::{ending, write_file};
@@ -166,7 +166,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         &progress,
     );
     bar.finish_and_clear();
-    tell_refusal(&store, messages);
+    report_refusal(&store, messages);
     let proposals = proposals?;
     // Count the answers. A frame without an answer keeps a camera that it has from another source.
     // Ctrl-C leaves fewer proposals than frames.
@@ -210,7 +210,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         return Ok(Outcome::Stopped);
     }
     // Not after Ctrl-C: the answers to the other frames may change the advice.
-    tell_where_to_label(document.at(&folder), messages);
+    report_where_to_label(document.at(&folder), messages);
     // Every queried frame has a proposal here, with a camera or a reason, so that this is the
     // number of reasons without a camera of another source, and of unreadable images.
     let failed = queried.len() - answered - kept + skipped;
@@ -240,7 +240,7 @@ fn is_answered(frame: &Frame) -> bool {
 
 /// Reports which frame to label next. If a camera has no references in this document, the advice
 /// names no uncovered direction: the forest may have been trained on another document.
-fn tell_where_to_label(document: DocumentAt<'_>, messages: Messages) {
+fn report_where_to_label(document: DocumentAt<'_>, messages: Messages) {
     let coverage = Coverage::measure_cameras(
         document,
         &TrainingFrames::from_solved_frames(&document).frames,

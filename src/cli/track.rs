@@ -144,7 +144,7 @@ pub fn track_and_report(
         report
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
-            .hear(event);
+            .on_event(event);
         interrupt.map_or(ControlFlow::Continue(()), Interrupt::check)
     });
     let mut reader = CachedReader::new(FrameReader::new(), KEPT_BYTES);
@@ -175,7 +175,7 @@ impl TrackingReport {
     }
 
     /// Reports one event.
-    pub fn hear(&mut self, event: TrackingEvent) {
+    pub fn on_event(&mut self, event: TrackingEvent) {
         let messages = self.messages;
         if !matches!(event, TrackingEvent::Progress(_)) {
             self.bar.clear();

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use crate::cli::terminal::document::{DocumentArg, Loaded};
-use crate::cli::terminal::features::{FeaturesArg, tell_refusal};
+use crate::cli::terminal::features::{FeaturesArg, report_refusal};
 use crate::cli::terminal::messages::{Messages, count_steps};
 use crate::cli::terminal::output::{refuse_existing_file, write_file};
 use anyhow::ensure;
@@ -116,7 +116,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     // None would mean that the progress cancelled it, and this one never does.
     let studied = studied.unwrap_or_default();
-    tell_refusal(&store, messages);
+    report_refusal(&store, messages);
     for (index, error) in &studied.failed {
         messages.frame_failed(&document.frames[*index].name(), &error.to_string());
     }

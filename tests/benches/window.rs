@@ -429,7 +429,7 @@ impl School {
             None,
         ));
         self.trainer
-            .tell(TrainerOrder::Document(Box::new(document)));
+            .notify(TrainerOrder::Document(Box::new(document)));
     }
 }
 

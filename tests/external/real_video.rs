@@ -129,7 +129,7 @@ fn the_trainer_carries_cameras_between_key_frames() {
     };
     let file = folder.path().join("project.json");
     let trainer = Trainer::start(file, options, SharedPictures::none(), wake).unwrap();
-    trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
+    trainer.notify(TrainerOrder::Document(Box::new(document.clone())));
     let (mut status, mut asked, mut tracked) = (TrainerStatus::default(), 0, 0);
     while !(status.doing == TrainerActivity::Nothing && status.forest.is_some()) {
         woken.recv().unwrap();

@@ -82,6 +82,8 @@ fn collect_names(file: &Path, path: &str, into: &mut BTreeSet<String>) {
     } else {
         file.with_extension("")
     };
+    // What is hidden from the documentation is for the other crates of the program alone.
+    let text = text.replace("#[doc(hidden)]\npub ", "#[doc(hidden)]\nhidden ");
     for statement in text.split("\npub ").skip(1) {
         let (kind, rest) = statement.split_once(' ').unwrap();
         match kind {

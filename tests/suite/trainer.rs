@@ -26,7 +26,7 @@ fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
     let wake = Arc::new(move || wake.send(()).unwrap_or_default());
     let trainer =
         Trainer::start(file.to_path_buf(), options, SharedPictures::none(), wake).unwrap();
-    trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
+    trainer.notify(TrainerOrder::Document(Box::new(document.clone())));
     let (mut last, mut proposed) = (TrainerStatus::default(), Vec::new());
     while !(last.doing == TrainerActivity::Nothing && last.forest.is_some()) {
         woken.recv().unwrap();

@@ -163,7 +163,7 @@ fn panels_are_dragged_to_another_size_which_is_remembered() {
 }
 
 fn in_the_smallest_window_verdict_and_reasons_are_in_sight() {
-    let mut window = Window::open(4, touchline::app::WindowPlace::LEAST, 1.0);
+    let mut window = Window::open(4, touchline::app::WindowPlace::MIN_SIZE, 1.0);
     for (landmark, code) in [
         ("penalty_area_far_left_front", "pflf"),
         ("centre_circle_halfway_near", "chn"),

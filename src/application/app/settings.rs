@@ -192,7 +192,7 @@ pub struct WindowPlace {
 
 impl WindowPlace {
     /// Minimum usable size of the window, points.
-    pub const LEAST: [f32; 2] = [900.0, 600.0];
+    pub const MIN_SIZE: [f32; 2] = [900.0, 600.0];
 
     /// The same with numbers clamped to their ranges. None if the size is not plausible.
     fn within_limits(self) -> Option<Self> {
@@ -205,7 +205,10 @@ impl WindowPlace {
             at.iter()
                 .all(|side| side.is_finite() && side.abs() <= 20_000.0)
         });
-        let size = [size[0].max(Self::LEAST[0]), size[1].max(Self::LEAST[1])];
+        let size = [
+            size[0].max(Self::MIN_SIZE[0]),
+            size[1].max(Self::MIN_SIZE[1]),
+        ];
         is_usable.then_some(Self {
             position,
             size,

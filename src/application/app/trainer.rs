@@ -178,11 +178,11 @@ impl TrainerActivity {
     #[must_use]
     pub fn estimate_time_left(self, earlier: Self, elapsed: Duration) -> Option<Duration> {
         /// Minimum time from which a pace is estimated.
-        const LEAST: Duration = Duration::from_secs(4);
+        const MIN_ELAPSED: Duration = Duration::from_secs(4);
         let (now, then) = (self.share()?, earlier.share()?);
         // The pace since `earlier`, continued: the remaining share takes as long per part.
         let done = now.done.checked_sub(then.done).filter(|done| *done > 0)?;
-        let is_paced = self.is_kind_of(earlier) && elapsed >= LEAST;
+        let is_paced = self.is_kind_of(earlier) && elapsed >= MIN_ELAPSED;
         is_paced.then(|| elapsed.mul_f64(now.of.saturating_sub(now.done) as f64 / done as f64))
     }
 

@@ -132,7 +132,7 @@ mod tests {
         ),
     ];
     /// Minimum difference (CIE 1976 ΔE) at which colours in a thin line are distinguishable.
-    const APART: f64 = 40.0;
+    const MIN_DIFFERENCE: f64 = 40.0;
     /// Colour visions: normal, then protanopia, deuteranopia and tritanopia as matrices of linear
     /// RGB (Machado, Oliveira and Fernandes 2009, severity 1).
     const VISIONS: [[[f64; 3]; 3]; 4] = [
@@ -210,7 +210,7 @@ mod tests {
                     .fold(f64::INFINITY, f64::min);
                 assert_eq!(
                     colour.safe_on.contains(&ground),
-                    least >= APART,
+                    least >= MIN_DIFFERENCE,
                     "{} on {ground:?}: {least:.1}",
                     colour.name
                 );

@@ -15,7 +15,7 @@ use touchline_documents::document::{
 
 /// Neighbours farther apart than this (frames) are not compared: in that time a camera can go
 /// anywhere.
-const WITHIN: f64 = 50.0;
+const MAX_FRAMES_APART: f64 = 50.0;
 
 /// The displacement of a corner that another camera has behind it, px.
 const BEHIND_PX: f64 = 20_000.0;
@@ -226,14 +226,14 @@ fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
 }
 
 /// The disagreement of the middle one of three solved frames; none if the outer two are more than
-/// [`WITHIN`] frames apart, or if it does not lie between them in time.
+/// [`MAX_FRAMES_APART`] frames apart, or if it does not lie between them in time.
 fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
     let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
     let whole = frames_between(from, to)?;
     let part = frames_between(from, frame)?;
     // A document may list the frames of a video in any order.
     let is_between = (whole.min(0.0)..=whole.max(0.0)).contains(&part);
-    if whole.abs() > WITHIN || !is_between {
+    if whole.abs() > MAX_FRAMES_APART || !is_between {
         return None;
     }
     let own = document.ptz_camera(frame)?;

@@ -10,14 +10,19 @@ mod matching;
 
 pub use agreement::{
     Agreement, CameraAgreement, ClickPair, FrameAgreement, LandmarkAgreement, LoneFrame,
-    NameDispute, agreement,
-};
-pub use agreement_tables::{
-    agreement_by_frame, agreement_by_landmark, agreement_json, agreement_tables,
+    NameDispute,
 };
 pub use evaluation::{
-    Evaluation, EvaluationError, FrameGroup, FrameResult, FrameScores, GroupKind, Measure,
-    Unscored, evaluate,
+    Evaluation, EvaluationError, FrameGroup, FrameResult, FrameScores, GroupKind, Measure, evaluate,
 };
-pub use evaluation_tables::{evaluation_report, evaluation_tables, frame_scores};
-pub use ground::{FrameOnGround, GroundComparison, GroundError, compare_on_ground};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    agreement::agreement,
+    agreement_tables::{
+        agreement_by_frame, agreement_by_landmark, agreement_json, agreement_tables,
+    },
+    evaluation::Unscored,
+    evaluation_tables::{evaluation_report, evaluation_tables, frame_scores},
+    ground::{FrameOnGround, GroundComparison, GroundError, compare_on_ground},
+};

@@ -17,20 +17,26 @@ mod other_cameras;
 mod shots;
 mod track_clips;
 
-pub use forest_labels::{
-    ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames,
-    learn_forest, propose_on_lines,
-};
+pub use forest_labels::{LearnForestError, LearningProgress};
 pub use match_labels::{
     LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, label_match,
-    learn_from_found,
 };
 pub use mend::{
-    CameraSurvey, CommonError, GivenCamera, GivenFault, ImpossibleCamera, LeftFrame, MENDED,
-    MendError, MendEvent, MendOptions, Mended, MendedFrame, MendedNumbers, NO_PLACE, NotAligned,
-    Outcome, Tally, mend, mend_numbers, survey_cameras,
+    CommonError, GivenCamera, GivenFault, MendError, MendEvent, MendOptions, Mended, MendedFrame,
+    NotAligned, Outcome, Tally, mend,
 };
-pub use shots::{mark_shots, shot_starts};
-pub use track_clips::{
-    TrackedFrames, TrackingEvent, TrackingOptions, give_first_base, track_clips,
+pub use track_clips::TrackingEvent;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    forest_labels::{
+        ForestRequest, LearntForest, PictureFiles, label_frames, learn_forest, propose_on_lines,
+    },
+    match_labels::learn_from_found,
+    mend::{
+        CameraSurvey, ImpossibleCamera, LeftFrame, MENDED, MendedNumbers, NO_PLACE, mend_numbers,
+        survey_cameras,
+    },
+    shots::{mark_shots, shot_starts},
+    track_clips::{TrackedFrames, TrackingOptions, give_first_base, track_clips},
 };

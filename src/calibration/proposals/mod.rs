@@ -34,35 +34,39 @@ mod label_advice;
 mod pictures;
 mod training;
 
-pub use answers::expected_wrong::ExpectedWrong;
-pub use answers::line_evidence::LineEvidence;
-pub use answers::order::QueryOrder;
 pub use answers::project::{Discarded, Project, RefusedForests, SuggestionUpdate};
 pub use answers::proposal::{Answer, NoProposal, Proposal, Timings};
 pub use answers::proposing::propose;
 pub use answers::request::FrameRequest;
 pub use answers::suggestions::{BatchId, Finder};
-pub use answers::tracked::{TrackedProposal, suggest_tracked_clip};
-pub use bases::{BaseMismatch, adopt_bases};
-pub use camera_of_size::{CameraOfSizeError, camera_of_size};
-pub use key_frames::KeyWindow;
-pub use label_advice::advice::{LabelAdvice, LabelNext, label_advice};
-pub use label_advice::coverage::{Coverage, CoverageCell};
-pub use label_advice::label_needs::{LabelNeeds, is_uncertain};
 pub use pictures::batches::FrameWithFeatures;
 pub use pictures::features::{FrameFeatures, FramePictures, Resolution};
-pub use pictures::picture::{FramePicture, PictureError, PictureStream, read_picture};
+pub use pictures::picture::PictureError;
 pub use pictures::store::{FeatureStore, WorkFolder};
-pub use pictures::used_features::{FeatureUse, UsedFeatures};
 pub use training::burnt_in::FoundMask;
-pub use training::find_burnt_in::find_burnt_in;
 pub use training::learning::{
     LearnError, LearnOptions, ReferenceSamples, TrainingSampleError, learn, study,
 };
-pub use training::quality::{
-    FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px,
-};
-pub use training::suspects::{Suspect, find_suspects};
+pub use training::quality::{FoundAgain, LeftOut, LeftOutBy, Quality, measure};
 pub use training::training_frames::TrainingFrames;
 pub use training::training_sample::{FeatureRays, TrainingSample};
-pub use training::training_set::TrainingSet;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    answers::expected_wrong::ExpectedWrong,
+    answers::line_evidence::LineEvidence,
+    answers::order::QueryOrder,
+    answers::tracked::{TrackedProposal, suggest_tracked_clip},
+    bases::{BaseMismatch, adopt_bases},
+    camera_of_size::{CameraOfSizeError, camera_of_size},
+    key_frames::KeyWindow,
+    label_advice::advice::{LabelAdvice, LabelNext, label_advice},
+    label_advice::coverage::{Coverage, CoverageCell},
+    label_advice::label_needs::{LabelNeeds, is_uncertain},
+    pictures::picture::{FramePicture, PictureStream, read_picture},
+    pictures::used_features::{FeatureUse, UsedFeatures},
+    training::find_burnt_in::find_burnt_in,
+    training::quality::{WRONG_PX, overlay_error_px},
+    training::suspects::{Suspect, find_suspects},
+    training::training_set::TrainingSet,
+};

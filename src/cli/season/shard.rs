@@ -47,7 +47,7 @@ pub fn shard(args: &ShardArgs, messages: Messages) -> anyhow::Result<Outcome> {
             ShardEvent::LeftOut { frame, error } => {
                 messages.frame_failed(&frame, &error.to_string());
             }
-            ShardEvent::Frames(event) => report.hear(event),
+            ShardEvent::Frames(event) => report.on_event(event),
         }
         interrupt.check()
     });

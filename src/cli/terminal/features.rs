@@ -24,7 +24,7 @@ impl FeaturesArg {
 }
 
 /// Reports why features could not be stored, if they could not.
-pub fn tell_refusal(store: &FeatureStore, messages: Messages) {
+pub fn report_refusal(store: &FeatureStore, messages: Messages) {
     if let Some(reason) = store.refusal() {
         messages.note(&format!(
             "features cannot be stored beside the document; the next run has to find them again: {reason}"

@@ -162,16 +162,16 @@ impl Drop for StepBar {
 
 /// Maximum length of a message, characters. Documents and file names may contain texts of any
 /// length.
-const LONGEST: usize = 1000;
+const MAX_CHARACTERS: usize = 1000;
 
 /// Shortens a message that is too long. Keeps the beginning, which says what is wrong, and the end,
 /// which says how to mend it.
 fn shorten_message(message: &str) -> String {
     let length = message.chars().count();
-    if length <= LONGEST {
+    if length <= MAX_CHARACTERS {
         return message.to_owned();
     }
-    let (first, last) = (LONGEST * 2 / 3, LONGEST / 4);
+    let (first, last) = (MAX_CHARACTERS * 2 / 3, MAX_CHARACTERS / 4);
     // Cut by characters: a cut by bytes within one of them would panic.
     let begin: String = message.chars().take(first).collect();
     let end: String = message.chars().skip(length - last).collect();

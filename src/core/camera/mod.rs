@@ -17,13 +17,19 @@ mod shared_parameters;
 
 pub use base::{BaseAngles, CameraBase};
 pub use base_sigma::BaseSigma;
-pub use distance::{AngularDistance, image_space_distances_px};
-pub use distortion::{FocalCurve, Radial, UndistortError, undistort};
+pub use distortion::{FocalCurve, Radial, UndistortError};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
-pub use projection::{MIN_DEPTH, ProjectError, PtzCamera};
+pub use projection::{ProjectError, PtzCamera};
 pub use ray::PanTilt;
 pub(crate) use shared_parameters::SHARED_COLUMNS;
 pub use shared_parameters::{BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    distance::{AngularDistance, image_space_distances_px},
+    distortion::undistort,
+    projection::MIN_DEPTH,
+};
 
 use crate::geometry::rotation::{q_pan, q_tilt};
 use crate::geometry::{Angle, Mat3};

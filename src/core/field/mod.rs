@@ -23,15 +23,20 @@ mod symmetry;
 mod template;
 mod variants;
 
-pub use builtin::{builtin, builtin_names, template_named};
+pub use builtin::builtin;
 pub use crown::Crown;
 pub use element::FieldElement;
 pub use error::FieldError;
 pub use expression::{Expression, ExpressionError};
 pub use misnaming::Misnaming;
-pub use model::{
-    CLICKING_SHARE, Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge,
-};
-pub use svg::svg;
+pub use model::{Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge};
 pub use symmetry::Symmetry;
-pub use template::{Dimension, MAX_CROWN_M, Param, Template, YARD_M};
+pub use template::{Dimension, Param, Template};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    builtin::{builtin_names, template_named},
+    model::CLICKING_SHARE,
+    svg::svg,
+    template::{MAX_CROWN_M, YARD_M},
+};

@@ -16,17 +16,22 @@ mod regular_file;
 mod replace;
 mod temporary;
 
-pub use named_file::{open_named, read_named, read_named_text};
-pub use plain::{is_control, plain};
-pub use regular_file::{
-    NotReadable, WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder,
-};
-pub use replace::{
-    IsReplaced, NotReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files,
-    refuse_part_of_project, replace_folder,
-};
-pub use temporary::{
-    remove_stray_files, temporary_file_in, temporary_folder_in, temporary_link_to,
+pub use plain::plain;
+pub use regular_file::WrongKind;
+pub use replace::NotReplaced;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    named_file::{open_named, read_named, read_named_text},
+    plain::is_control,
+    regular_file::{
+        NotReadable, open_regular, read_regular, read_regular_within, refuse_linked_folder,
+    },
+    replace::{
+        IsReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files,
+        refuse_part_of_project, replace_folder,
+    },
+    temporary::{remove_stray_files, temporary_file_in, temporary_folder_in, temporary_link_to},
 };
 
 use std::io::{Error, ErrorKind};
@@ -34,6 +39,7 @@ use std::path::Path;
 
 /// The folder that a path lies in.
 #[must_use]
+#[doc(hidden)]
 pub fn folder_of(path: &Path) -> &Path {
     // The parent of a bare name is the empty path, which no system call accepts.
     path.parent()
@@ -43,6 +49,7 @@ pub fn folder_of(path: &Path) -> &Path {
 
 /// The remedy at the end of a message about a failed write; empty if the system's reason suffices.
 #[must_use]
+#[doc(hidden)]
 pub fn way_out(error: &Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "; free some space, or save elsewhere",

@@ -17,16 +17,21 @@ mod text;
 
 pub use angle::Angle;
 pub use angle_range::AngleRange;
-pub use averages::{mean, median, median_high, quantile};
+pub use averages::median;
 pub use directions::Directions;
-pub use ellipse::covariance_ellipse;
-pub use homography::homography;
 pub(crate) use homography::{HomographyError, only_null_vector};
 pub use image::{ImagePoint, ImageSize, PixelBox};
-pub use segment::distance_from_segment;
 pub(crate) use subsample::{farthest_pairs, keep_distinct};
-pub use subsample::{stride_of_subsample, subsample};
-pub use text::{decimal, hex, is_formula, pluralise, text_cell, thousands, xml_text};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    averages::{mean, median_high, quantile},
+    ellipse::covariance_ellipse,
+    homography::homography,
+    segment::distance_from_segment,
+    subsample::{stride_of_subsample, subsample},
+    text::{decimal, hex, is_formula, pluralise, text_cell, thousands, xml_text},
+};
 
 use serde::{Serialize, Serializer};
 
@@ -42,6 +47,7 @@ pub type Mat3 = nalgebra::Matrix3<f64>;
 ///
 /// # Errors
 /// Those of the serializer.
+#[doc(hidden)]
 pub fn rows<S: Serializer>(matrix: &Mat3, serializer: S) -> Result<S::Ok, S::Error> {
     let rows: [[f64; 3]; 3] = matrix.transpose().into();
     rows.serialize(serializer)

@@ -17,8 +17,13 @@ mod samples;
 mod verdict;
 mod window;
 
-pub use ground::visible_ground;
-pub use landmarks::{ProjectedLandmark, project_landmarks};
-pub use lines::{MarkingOptions, MarkingPolyline, project_lines};
-pub use samples::{LineSample, ProjectedLine, SampleOptions, detectability, sample_lines};
-pub use verdict::{FEWEST_OPEN, LineVerdict};
+pub use verdict::LineVerdict;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    ground::visible_ground,
+    landmarks::{ProjectedLandmark, project_landmarks},
+    lines::{MarkingOptions, MarkingPolyline, project_lines},
+    samples::{LineSample, ProjectedLine, SampleOptions, detectability, sample_lines},
+    verdict::FEWEST_OPEN,
+};

@@ -116,6 +116,7 @@ impl<S> fmt::Debug for Progress<'_, S> {
 
 /// The message of a panic in a long function.
 #[must_use]
+#[doc(hidden)]
 pub fn panic_message(payload: &(dyn Any + Send)) -> String {
     // `panic!` with a literal has a `&str`, with arguments a `String`; any other payload comes from
     // `panic_any` and has no text.

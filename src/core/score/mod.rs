@@ -26,17 +26,22 @@ mod polygon;
 mod statistics;
 mod view;
 
-pub use camera_error::{CameraError, camera_error, horizontal_view};
 pub use click_scatter::ClickScatter;
-pub use coverage::{SigmaCoverage, squared_mahalanobis};
+pub use coverage::SigmaCoverage;
 
 pub(crate) use distribution::chi_squared_quantile;
-pub use distribution::{median_normal_size, median_rayleigh, rayleigh_share};
-pub use field_grid::field_grid;
-pub use ground::visible_field;
-pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
-pub use marking_match::{AnnotatedLine, MarkingMatch, NamedMatch, annotated_lines};
-pub use overlap::{iou_part, iou_segments, iou_whole};
-pub use plane::PlaneView;
 pub use statistics::Summary;
-pub use view::FieldView;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    camera_error::{CameraError, camera_error, horizontal_view},
+    coverage::squared_mahalanobis,
+    distribution::{median_normal_size, median_rayleigh, rayleigh_share},
+    field_grid::field_grid,
+    ground::visible_field,
+    landmarks::{LandmarkError, ground_error_m, landmark_errors},
+    marking_match::{AnnotatedLine, MarkingMatch, NamedMatch, annotated_lines},
+    overlap::{iou_part, iou_segments, iou_whole},
+    plane::PlaneView,
+    view::FieldView,
+};

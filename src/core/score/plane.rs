@@ -12,7 +12,7 @@ use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 
 /// The minimum depth of visible ground, as a fraction of the depth in the middle of the picture.
-const NEAR: f64 = 1e-3;
+const MIN_DEPTH_SHARE: f64 = 1e-3;
 
 /// The view of the ground under a homography.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +76,7 @@ impl PlaneView {
     #[must_use]
     pub fn image_from_ground(&self, ground: Vec2) -> Option<ImagePoint> {
         let image = self.image_from_ground * Vec3::new(ground.x, ground.y, 1.0);
-        (image.z > NEAR).then(|| ImagePoint::new(image.x / image.z, image.y / image.z))
+        (image.z > MIN_DEPTH_SHARE).then(|| ImagePoint::new(image.x / image.z, image.y / image.z))
     }
 
     /// The ground point at a pixel (world x and y, m). None above the horizon.
@@ -84,7 +84,7 @@ impl PlaneView {
     pub fn ground_from_image(&self, image: ImagePoint) -> Option<Vec2> {
         let ground = self.ground_from_image * Vec3::new(image.x, image.y, 1.0);
         // The third coordinate of the back-projection is the inverse of the ground point's depth.
-        (ground.z > 0.0 && ground.z < 1.0 / NEAR).then(|| ground.xy() / ground.z)
+        (ground.z > 0.0 && ground.z < 1.0 / MIN_DEPTH_SHARE).then(|| ground.xy() / ground.z)
     }
 
     /// The part of the field that the picture shows: a convex polygon (world x and y, m), empty if
@@ -94,11 +94,11 @@ impl PlaneView {
         let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
         let h = &self.image_from_ground;
         let (x, y, depth) = (h.row(0), h.row(1), h.row(2));
-        // The picture as half-planes of the ground: depth ≥ NEAR, 0 ≤ x ≤ width and 0 ≤ y ≤ height,
+        // The picture as half-planes of the ground: depth ≥ MIN_DEPTH_SHARE, 0 ≤ x ≤ width and 0 ≤ y ≤ height,
         // each multiplied by the depth. They are then linear in the ground point, and no division
         // by a depth of 0 occurs.
         let sides = [
-            depth - Vec3::new(0.0, 0.0, NEAR).transpose(),
+            depth - Vec3::new(0.0, 0.0, MIN_DEPTH_SHARE).transpose(),
             x.into_owned(),
             depth * width - x,
             y.into_owned(),

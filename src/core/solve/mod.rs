@@ -36,35 +36,39 @@ mod warning;
 
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
-pub use identity::check_identity;
 pub use identity_finding::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
-pub use initial_cameras::one_point::{
-    OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray,
-};
-pub use initial_cameras::plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
-pub use initial_cameras::two_point::{
-    MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays,
-    solve_two_points,
-};
+pub use initial_cameras::plane_pose::PlanePoseError;
 pub use observations::observation::Observation;
 pub use observations::shape::{ObservedShape, ShapeJacobian};
 pub use observations::world_curve::WorldCurve;
-pub use optimiser::dense::DenseEquations;
-pub use optimiser::derivatives::{DerivativeError, check_derivatives};
-pub use optimiser::graduated::gauss_newton_step;
-pub use optimiser::least_squares::{
-    BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise,
-};
+pub use optimiser::least_squares::{Equations, Problem};
 pub use optimiser::loss::Loss;
-pub use optimiser::residual::{Linearised, Residual};
-pub use outcome::covariance::{
-    CornerSigma, UNSTATED_PX, Uncertainty, covariance_in_radians, covariance_of_four_points,
-};
+pub use outcome::covariance::{CornerSigma, Uncertainty};
 pub use outcome::solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
-pub use outcome::verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, Verdict, judge};
+pub use outcome::verdict::Verdict;
 pub use priors::context::SolveContext;
 pub use priors::motion_prior::{Motion, MotionPrior, PtzStep};
 pub use priors::prior::PtzPrior;
 pub use priors::ptz_ranges::PtzRanges;
-pub use refine::{Refined, refine, refine_until};
-pub use warning::{UnknownWarningCode, Warning, WarningCode};
+pub use refine::{Refined, refine};
+pub use warning::{Warning, WarningCode};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    identity::check_identity,
+    initial_cameras::one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray},
+    initial_cameras::plane_pose::{PlanePose, pose_from_plane},
+    initial_cameras::two_point::{
+        MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays,
+        solve_two_points,
+    },
+    optimiser::dense::DenseEquations,
+    optimiser::derivatives::{DerivativeError, check_derivatives},
+    optimiser::graduated::gauss_newton_step,
+    optimiser::least_squares::{BlockEquations, Minimum, NO_VALUE_SIGMAS, Stopping, minimise},
+    optimiser::residual::{Linearised, Residual},
+    outcome::covariance::{UNSTATED_PX, covariance_in_radians, covariance_of_four_points},
+    outcome::verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, judge},
+    refine::refine_until,
+    warning::UnknownWarningCode,
+};

@@ -16,7 +16,7 @@ use crate::solve::optimiser::residual::Residual;
 const MAX_ITERATIONS: usize = 60;
 
 /// A step in (rad, rad, log f) shorter than this ends the search.
-const ENOUGH: f64 = 1e-12;
+const SHORT_STEP: f64 = 1e-12;
 
 /// The result of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +39,7 @@ pub fn refine(
     loss: Loss,
     prior: Option<&PtzPrior>,
 ) -> Refined {
-    refine_until(base, start, observations, loss, prior, ENOUGH)
+    refine_until(base, start, observations, loss, prior, SHORT_STEP)
 }
 
 /// [`refine`], ended by the first step (rad, rad, log f) shorter than `enough`. Under a robust loss

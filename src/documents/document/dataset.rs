@@ -13,12 +13,12 @@ impl Document {
                 frame.retain_clicks(|_, click| click.target.is_some());
             }
         }
-        self.tell_assumed_sizes();
+        self.report_assumed_sizes();
         self
     }
 
     /// Adds a warning to every solved frame whose field's size is assumed.
-    fn tell_assumed_sizes(&mut self) {
+    fn report_assumed_sizes(&mut self) {
         let code = WarningCode::FieldAssumed.as_str();
         for index in 0..self.frames.len() {
             // By index, because the message depends on the whole document while the frame changes.

@@ -117,15 +117,12 @@ mod versions;
 mod video_shots;
 
 pub use at::DocumentAt;
-pub use create::document_from_frames;
 pub use edits::edit::{Change, Edit, EditKind};
 pub use edits::edit_mismatch::EditMismatch;
 pub use edits::frame_changes::FrameChanges;
-pub use edits::history::{History, Step, Undoable};
+pub use edits::history::{History, Step};
 pub use edits::step_edit::{StepEdit, StepMisfit};
 pub use edits::suggestion_change::SuggestionChange;
-pub use fields::Fields;
-pub use frame_state::frame_solution::ENOUGH_EQUATIONS;
 pub use frame_state::gold::RepeatedClicks;
 pub use frame_state::moment::Moment;
 pub use frame_state::suggestion::Suggestion;
@@ -134,10 +131,10 @@ pub use model::camera_id::CameraId;
 pub use model::click::{Click, Target};
 pub use model::click_noise::{ClickNoise, StoredClickNoise};
 pub use model::click_origin::ClickOrigin;
-pub use model::document::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
+pub use model::document::{DOCUMENT_VERSION, Document, FORMAT_NAME};
 pub use model::extra::Extra;
-pub use model::field_spec::{CROWN, FieldSize, FieldSpec};
-pub use model::frame::{Clip, Edited, Frame, FrameStatus, MAX_CLICKS, RejectReason, VideoFrame};
+pub use model::field_spec::{FieldSize, FieldSpec};
+pub use model::frame::{Clip, Edited, Frame, FrameStatus, RejectReason, VideoFrame};
 pub use model::frame_id::FrameId;
 pub use model::frame_lens::FrameLens;
 pub use model::frames::Frames;
@@ -151,18 +148,32 @@ pub use model::solution::{
     TimingsMs,
 };
 pub use new_images::FolderChanges;
-pub use path_hint::hint_for_missing;
-pub use paths::{path_between, resolve_path};
-pub use shots::shots;
-pub use text::read::{ReadError, document_from_bytes};
-pub use text::schema::SCHEMA;
+pub use text::read::ReadError;
 #[cfg(feature = "schema")]
 pub use text::schema::schema_of_types;
-pub use text::write::{WriteError, document_to_string};
+pub use text::write::WriteError;
 pub(crate) use versions::common_base::common_base;
 pub(crate) use versions::graft::graft;
 pub use versions::merge::{Merged, merge};
 pub(crate) use versions::merge::{join_result, merge_newer};
-pub use versions::package::{restore_package, split_into_packages};
-pub use versions::restored::{OtherPictures, Restored};
-pub use video_shots::{FoundCuts, ShotsError, VideoShots, frames_in_transitions, shots_of_frames};
+pub use versions::restored::OtherPictures;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    create::document_from_frames,
+    edits::history::Undoable,
+    fields::Fields,
+    frame_state::frame_solution::ENOUGH_EQUATIONS,
+    model::document::generator,
+    model::field_spec::CROWN,
+    model::frame::MAX_CLICKS,
+    path_hint::hint_for_missing,
+    paths::{path_between, resolve_path},
+    shots::shots,
+    text::read::document_from_bytes,
+    text::schema::SCHEMA,
+    text::write::document_to_string,
+    versions::package::{restore_package, split_into_packages},
+    versions::restored::Restored,
+    video_shots::{FoundCuts, ShotsError, VideoShots, frames_in_transitions, shots_of_frames},
+};

@@ -31,38 +31,43 @@ mod syntax;
 mod tests;
 mod timecode;
 
-pub use authors_mat::{
-    AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder,
-    read_authors_sequence,
-};
-pub use camera_formats::homography_files::template_from_ground;
-pub use click_formats::point_sigma::sigma_by_probability_px;
+pub use authors_mat::AuthorsError;
 pub use error::{ExchangeError, Problem};
-pub use exports::dataset::{
-    DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame,
-    Split, SplitBy, Splitting, folder_for_new, plan_dataset, write_dataset,
-};
 pub use exports::export::export;
 pub use exports::exported::Exported;
 pub use exports::loss::Loss;
-pub use exports::work_packages::{restore_version, write_packages};
 pub use files::Files;
 pub use format::{About, Format};
 pub use format_options::{Direction, FormatOption};
-pub use imports::attach::{
-    AttachedPair, Attachment, AttachmentCandidate, Counting, MatchedBy, NotAttached,
-    plan_attachment, size_of_only_video,
-};
 pub use imports::import::import;
 pub use imports::imported::Imported;
-pub use imports::join::{JoinedImport, JoinedPair, join};
-pub use imports::picture_points::{PicturePoints, read_picture_points};
-pub use imports::recognize::recognize_format;
-pub use model_points::layout::{PointLayout, import_points};
-pub use model_points::outcomes::{PointOutcome, point_outcomes};
 pub use options::{
     ExportOptions, FrameChoice, Gaps, GroundPlan, HomographyOptions, ImportOptions, KeypointNames,
     LabelMap, MatrixDirection, Pixels, PointModel, PointSource, Recording, Rotations, Zoom,
 };
 pub use rate::Rate;
 pub use timecode::Timecode;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    authors_mat::{
+        AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder,
+        read_authors_sequence,
+    },
+    camera_formats::homography_files::template_from_ground,
+    click_formats::point_sigma::sigma_by_probability_px,
+    exports::dataset::{
+        DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures,
+        PlannedFrame, Split, SplitBy, Splitting, folder_for_new, plan_dataset, write_dataset,
+    },
+    exports::work_packages::{restore_version, write_packages},
+    imports::attach::{
+        AttachedPair, Attachment, AttachmentCandidate, Counting, MatchedBy, NotAttached,
+        plan_attachment, size_of_only_video,
+    },
+    imports::join::{JoinedImport, JoinedPair, join},
+    imports::picture_points::{PicturePoints, read_picture_points},
+    imports::recognize::recognize_format,
+    model_points::layout::{PointLayout, import_points},
+    model_points::outcomes::{PointOutcome, point_outcomes},
+};

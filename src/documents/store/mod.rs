@@ -61,16 +61,23 @@ mod own_version;
 mod read_only;
 mod replay;
 
-pub use atomic::{write_atomically, write_new, write_output};
-pub use disk::{
-    Access, FilesRead, OpenForWriting, Opened, Recovery, Reserved, Store, open, open_for_writing,
-    read, read_with_state, refuse_document, refuse_other_file, reserve, write_document,
-};
-pub use document_store::{DocumentStore, Others, Outside};
+pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
+pub use document_store::Outside;
 pub use error::StoreError;
 pub use history_file::HistoryLeftOut;
-pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX};
-pub use lock::{Lock, lock_file};
-pub use orphan::{orphans, put_orphan_away, read_orphan, save_orphan};
-pub use orphan_edits::{Orphan, OrphanEdits};
+pub use location::Location;
 pub use read_only::ReadOnly;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    atomic::{write_atomically, write_new, write_output},
+    disk::{
+        FilesRead, OpenForWriting, Reserved, open_for_writing, read_with_state, refuse_document,
+        refuse_other_file, reserve,
+    },
+    document_store::{DocumentStore, Others},
+    location::{PROJECT_FILE, PROJECT_SUFFIX},
+    lock::{Lock, lock_file},
+    orphan::{orphans, put_orphan_away, read_orphan, save_orphan},
+    orphan_edits::{Orphan, OrphanEdits},
+};

@@ -19,7 +19,7 @@ use touchline_application::app::{Action, SettingsAction};
 /// Height of the menu row, the row of messages and the status row, points.
 const ROW: f32 = 24.0;
 /// Width of the window from which the default sizes of the panels are larger, points.
-const WIDE: f32 = 1800.0;
+const WIDE_WINDOW: f32 = 1800.0;
 
 /// Minimum size of the picture, points. It limits the sizes of the panels.
 const LEAST_PICTURE: [f32; 2] = [480.0, 260.0];
@@ -70,7 +70,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
 
 /// Shows every panel. The actions of the user are in `panel.actions` afterwards.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let (filmstrip_height, side_width) = if ui.available_width() >= WIDE {
+    let (filmstrip_height, side_width) = if ui.available_width() >= WIDE_WINDOW {
         (110.0, 380.0)
     } else {
         (92.0, 300.0)

@@ -76,7 +76,7 @@ impl Shell {
             place: None,
             may_close: false,
         };
-        shell.tell_about_adapter(creation);
+        shell.report_about_adapter(creation);
         let first = trouble.map(|text| Action::View(ViewAction::Notify(Level::Warning, text)));
         shell.apply(first.into_iter().chain(document.map(Action::Open)));
         Ok(shell)
@@ -131,7 +131,7 @@ impl Shell {
 
     /// Notifies the user, once for each adapter, that the processor draws in place of a graphics
     /// card.
-    fn tell_about_adapter(&mut self, creation: &eframe::CreationContext<'_>) {
+    fn report_about_adapter(&mut self, creation: &eframe::CreationContext<'_>) {
         let Some(state) = &creation.wgpu_render_state else {
             return;
         };

@@ -41,7 +41,7 @@ pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
         .with_icon(icon())
         .with_inner_size(known.map_or([1280.0, 720.0], |place| place.size))
         .with_maximized(known.is_some_and(|place| place.maximized))
-        .with_min_inner_size(WindowPlace::LEAST)
+        .with_min_inner_size(WindowPlace::MIN_SIZE)
         .with_drag_and_drop(true);
     if let Some(position) = known.and_then(|place| place.position) {
         viewport = viewport.with_position(position);

@@ -27,7 +27,7 @@ const PICTURE: egui::Vec2 = vec2(64.0, 36.0);
 /// Width of the bar that shows the confidence, points.
 const BAR: f32 = 64.0;
 /// Height of the separator above rows that arrived while the pointer was over the list, points.
-const LATE: f32 = 22.0;
+const LATE_ROWS_HEIGHT: f32 = 22.0;
 
 /// The commands in the context menu of a row.
 const MENU: [Command; 8] = [
@@ -50,7 +50,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let place = rows.iter().position(|row| row.frame == current);
     let moved = what_moved(ui, (current, choice.order, place));
     let on_time = rows.len() - review.late;
-    let late = if review.late > 0 { LATE } else { 0.0 };
+    let late = if review.late > 0 {
+        LATE_ROWS_HEIGHT
+    } else {
+        0.0
+    };
     let area = ScrollArea::vertical()
         .id_salt("review list")
         .auto_shrink(false);
@@ -152,7 +156,10 @@ fn what_moved(ui: &Ui, now: Shows) -> ListChange {
 
 /// Draws the separator above rows that arrived while the pointer was over the list.
 fn late_line(ui: &Ui, first: Rect, count: usize) {
-    let line = Rect::from_min_max(first.left_top() - vec2(0.0, LATE), first.right_top());
+    let line = Rect::from_min_max(
+        first.left_top() - vec2(0.0, LATE_ROWS_HEIGHT),
+        first.right_top(),
+    );
     let text = format!("{count} new, sorted in when the pointer leaves");
     let response = ui.interact(line, Id::unique("review late"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));

@@ -17,7 +17,7 @@ const BLOCKS: (usize, usize) = (8, 5);
 const REACH: isize = 10;
 
 /// Smaller displacements count as none, px of the coarse picture: a sixtieth of its width.
-const LEAST: isize = 2;
+const MIN_DISPLACEMENT: isize = 2;
 
 /// A block decides if one of its two correlations exceeds the other by this.
 const CLEARER: f32 = 0.05;
@@ -140,7 +140,7 @@ impl Block {
                     EdgeKind::Upright => right,
                     EdgeKind::Level => down,
                 };
-                let is_far = usize::from(off.abs() >= LEAST);
+                let is_far = usize::from(off.abs() >= MIN_DISPLACEMENT);
                 if let Some(correlation) =
                     self.correlation(one, other, (right, down), mean, contrast)
                 {

@@ -42,18 +42,24 @@ mod standing;
 mod standing_edges;
 mod standing_graphic;
 
-pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
-pub use burnt_in::{BurntIn, BurntInGraphic, burnt_in};
 pub use cache::{FeatureCache, FeatureKey};
-pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE};
+pub use descriptor::{DESCRIPTOR_BYTES, Descriptor};
 pub(crate) use descriptor::{MAX_MATCH_SQUARED_DISTANCE, Sketch};
 pub use error::FeatureError;
-pub use extract::{extract, opencv_version};
+pub use extract::extract;
 pub(crate) use grid::{cell_in_grid, count_cells};
 pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
-pub use reduced::{ReducedPicture, has_moved};
-pub use spread::spread;
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
-pub use standing_edges::standing_graphics;
-pub use standing_graphic::StaticGraphic;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary},
+    burnt_in::{BurntIn, BurntInGraphic, burnt_in},
+    descriptor::{DESCRIPTOR_NORM, MAX_SQUARED_DISTANCE},
+    extract::opencv_version,
+    reduced::{ReducedPicture, has_moved},
+    spread::spread,
+    standing_edges::standing_graphics,
+    standing_graphic::StaticGraphic,
+};

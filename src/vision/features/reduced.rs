@@ -12,7 +12,7 @@ const LEAST_EDGE: f32 = 4.0;
 
 /// A gradient belongs to an edge of known direction if its component along that direction is at
 /// least this share of its strength.
-const ALONG: f32 = 0.7;
+const MIN_SHARE_ALONG: f32 = 0.7;
 
 /// The camera moved if less than this share of the edges of two pictures is static. By chance it is
 /// a third; from frame to frame of a slow pan it is four fifths.
@@ -66,7 +66,7 @@ impl Slope {
     /// of it lies along the direction, and is more than noise.
     pub fn is_edge_along(self, direction: Self) -> bool {
         let along = self.dot(direction);
-        along > LEAST_EDGE && along > ALONG * self.strength()
+        along > LEAST_EDGE && along > MIN_SHARE_ALONG * self.strength()
     }
 
     pub fn kind(self) -> EdgeKind {

@@ -33,19 +33,24 @@ mod stream;
 mod thumbnail;
 mod video;
 
-pub use cache::FrameCache;
-pub use cached_reader::{CachedReader, KEPT_BYTES};
-pub use digest::{sha256_of_bytes, sha256_of_file, video_file_id};
 pub use error::MediaError;
 pub(crate) use error::one_line;
-pub use folder::{FolderListing, list_images};
 pub(crate) use grey::{GreyPicture, grey_reduced};
-pub use image_file::{ImageLimits, image_size, load_image, load_image_within};
 pub use notice::Notice;
 pub use picture::Picture;
-pub use prefetch::{PrefetchOptions, StepDirection, prefetch_plan};
 pub use reader::{FrameReader, ReadFrames};
-pub use source::{FrameRef, FrameSource};
-pub use stream::{FrameStream, StreamedFrame};
-pub use thumbnail::{THUMBNAIL_SIZE, letterbox};
+pub use source::FrameRef;
 pub use video::{CountProgress, FrameClock, Video, VideoBackend, VideoInfo};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    cache::FrameCache,
+    cached_reader::{CachedReader, KEPT_BYTES},
+    digest::{sha256_of_bytes, sha256_of_file, video_file_id},
+    folder::{FolderListing, list_images},
+    image_file::{ImageLimits, image_size, load_image, load_image_within},
+    prefetch::{PrefetchOptions, StepDirection, prefetch_plan},
+    source::FrameSource,
+    stream::{FrameStream, StreamedFrame},
+    thumbnail::{THUMBNAIL_SIZE, letterbox},
+};

@@ -17,10 +17,10 @@ impl StepDirection {
     /// neighbour.
     #[must_use]
     pub fn from_step(from: usize, to: usize) -> Self {
-        const NEAR: usize = 12;
+        const MAX_STEP: usize = 12;
         match (to.checked_sub(from), from.checked_sub(to)) {
-            (Some(1..=NEAR), _) => Self::Forward,
-            (_, Some(1..=NEAR)) => Self::Backward,
+            (Some(1..=MAX_STEP), _) => Self::Forward,
+            (_, Some(1..=MAX_STEP)) => Self::Backward,
             _ => Self::Unknown,
         }
     }

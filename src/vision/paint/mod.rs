@@ -42,16 +42,21 @@ mod markings;
 mod ridges;
 mod turf;
 
-pub use camera_alignment::check::{LineCheck, check_lines, overlays_apart_px};
-pub use camera_alignment::places::{PaintPlace, paint_places};
+pub use camera_alignment::check::LineCheck;
 pub use camera_alignment::snap::{SnapOptions, Snapped, snap};
-pub use click_snapping::placed_point::{PointSnapOptions, SnappedPoint};
-pub use click_snapping::point::snap_point;
 pub use error::SnapError;
 pub use find::{FindError, FindOptions, PaintSearchResult, find_camera};
 pub use markings::agreement::Agreement;
-pub use markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent};
-pub use markings::persistent::{GroundDirections, PersistentPoint, persistent_paint};
-pub use ridges::contrast::LineContrast;
 pub use turf::ground::GroundPicture;
 pub use turf::surface::Surface;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    camera_alignment::check::{check_lines, overlays_apart_px},
+    camera_alignment::places::{PaintPlace, paint_places},
+    click_snapping::placed_point::{PointSnapOptions, SnappedPoint},
+    click_snapping::point::snap_point,
+    markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent},
+    markings::persistent::{GroundDirections, PersistentPoint, persistent_paint},
+    ridges::contrast::LineContrast,
+};

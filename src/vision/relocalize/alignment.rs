@@ -47,7 +47,7 @@ pub struct Misfit {
 
 /// Maximum number of references that are adjusted together, neighbours by pan: the work grows with
 /// the cube.
-const TOGETHER: usize = 100;
+const MAX_REFERENCES: usize = 100;
 
 /// Number of nearest neighbours, by viewing direction, with which every reference is compared.
 const NEIGHBOURS: usize = 4;
@@ -94,7 +94,7 @@ pub fn adjust_labels(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Ma
     // Split the references into groups of neighbours by pan, beginning at the largest gap.
     let order = AngleRange::along_smallest(&pans);
     let mut groups: Vec<Group> = order
-        .chunks(TOGETHER)
+        .chunks(MAX_REFERENCES)
         .map(|members| Group::from_members(members, references))
         .collect();
     let mut scatter = Scatter {

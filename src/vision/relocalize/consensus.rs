@@ -8,7 +8,7 @@
 //! Matas, Kittler, DAGM 2003).
 
 use super::RayMatches;
-use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
+use super::pose_options::{MIN_INLIERS, PoseOptions, SHORT_STEP};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
@@ -159,7 +159,7 @@ impl Best {
             &observations,
             Loss::Cauchy { c: 1.0 },
             None,
-            ENOUGH,
+            SHORT_STEP,
         )
         .ptz;
         let refined = PtzCamera::new(*base, ptz);

@@ -59,7 +59,7 @@ impl Default for ContradictionOptions {
 const MOST_ALONE: usize = 16;
 
 /// Minimum number of distant references that must contradict an isolated one.
-const MANY: usize = 2;
+const MIN_AGAINST: usize = 2;
 
 /// Pairs of references whose labels contradict each other, the greatest disagreement first.
 #[must_use]
@@ -93,7 +93,7 @@ pub fn contradictions(
             let against = far.iter().filter(|found| {
                 found.exceeds(options.tolerance_px) && found.references.contains(index)
             });
-            against.count() >= MANY
+            against.count() >= MIN_AGAINST
         })
         .collect();
     compared.extend(

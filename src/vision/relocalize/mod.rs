@@ -23,20 +23,30 @@ mod reference_pairs;
 mod shown;
 mod standing;
 
-pub use alignment::{Label, Misfit, adjust_labels};
-pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
+pub use alignment::{Label, Misfit};
+pub use answer::{RelocalizeOptions, Relocalized, relocalize};
 pub use confidence::{Evidence, FromReference};
-pub use contradictions::{Contradiction, ContradictionOptions, contradictions, suspects};
 pub use forest::{
     Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped,
-    TrainOptions, TrainProgress, train, train_without,
+    TrainOptions, TrainProgress, train,
 };
 
-pub use matches::RayMatches;
-pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};
+pub use model::{CameraForest, ForestModel, SeenRange};
 pub use not_found::NotFound;
-pub use pose::{Pose, pose_from_candidates};
+pub use pose::Pose;
 pub use pose_options::PoseOptions;
 pub use reference_pairs::Reference;
-pub use shown::{CERTAIN, CertainAnswerCounts};
-pub use standing::pose_of_moving;
+pub use shown::CertainAnswerCounts;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    alignment::adjust_labels,
+    answer::candidates_of,
+    contradictions::{Contradiction, ContradictionOptions, contradictions, suspects},
+    forest::train_without,
+    matches::RayMatches,
+    model::FOREST_VERSION,
+    pose::pose_from_candidates,
+    shown::CERTAIN,
+    standing::pose_of_moving,
+};

@@ -36,7 +36,7 @@
 
 use super::consensus::{Consensus, find_consensus};
 use super::labels::label_covariance;
-use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
+use super::pose_options::{MIN_INLIERS, PoseOptions, SHORT_STEP};
 use super::{Evidence, FromReference, NotFound, RayMatches, SeenRange};
 use crate::features::count_cells;
 use nalgebra::SMatrix;
@@ -346,7 +346,7 @@ fn refine_over_all(
             &observations,
             Loss::Cauchy { c: CAUCHY },
             None,
-            ENOUGH,
+            SHORT_STEP,
         )
         .ptz;
         within_px = (INLIER_SIGMAS * sigma_px).min(widest_px);

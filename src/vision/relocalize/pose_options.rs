@@ -6,7 +6,7 @@ use touchline_core::solve::PtzRanges;
 
 /// Refinement ends when a step in (pan rad, tilt rad, ln f) is below this: a thousandth of the
 /// uncertainty that features leave.
-pub(super) const ENOUGH: f64 = 1e-8;
+pub(super) const SHORT_STEP: f64 = 1e-8;
 
 /// Minimum number of inliers; fewer are chance.
 pub(super) const MIN_INLIERS: usize = 6;

@@ -38,13 +38,18 @@ mod stadium;
 mod text;
 mod texture;
 
-pub use clicks::{ClickOptions, ClickTarget, SyntheticClick, generate_clicks};
-pub use options::{
-    CameraMotion, Daylight, FrameOptions, Graphics, Moment, Preset, ShootOptions, StadiumOptions,
-    UnknownPreset,
+pub use options::Moment;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    clicks::{ClickOptions, ClickTarget, SyntheticClick, generate_clicks},
+    options::{
+        CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions,
+        UnknownPreset,
+    },
+    path::{PathStep, camera_path},
+    play::Side,
+    props::Mover,
+    render::{RenderedFrame, SeenMover},
+    stadium::{Stadium, stadium},
 };
-pub use path::{PathStep, camera_path};
-pub use play::Side;
-pub use props::Mover;
-pub use render::{RenderedFrame, SeenMover};
-pub use stadium::{Stadium, stadium};

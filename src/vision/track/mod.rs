@@ -49,17 +49,21 @@ mod relative_rotations;
 mod start;
 mod view_graph_edge;
 
-pub use clip::{
-    AdjustOptions, AdjustedClip, ClipCamera, ClipLens, FollowOptions, Jitter, PointFollower,
-    PointTrack, PointTracks, PropagateOptions, PropagatedClip, PropagationStop, SmoothOptions,
-    UnsmoothedFrame, adjust_clip, propagate, smooth,
-};
-pub use cuts::{FoundCut, find_cuts};
+pub use clip::{AdjustOptions, AdjustedClip, FollowOptions, Jitter, PropagateOptions};
 pub use error::TrackError;
 pub use group::groups;
-pub use matched_frames::{adjust_matched_frames, fill_missing_cameras};
-pub use pairs::match_frames_pairwise;
-pub use pose_prior::{PosePrior, PriorSource};
 pub use pose_problem::AdjustedFrame;
-pub use relative_rotations::{RelativeRotations, TurnOptions, adjust_rotations};
 pub use view_graph_edge::ViewGraphEdge;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    clip::{
+        ClipCamera, ClipLens, PointFollower, PointTrack, PointTracks, PropagatedClip,
+        PropagationStop, SmoothOptions, UnsmoothedFrame, adjust_clip, propagate, smooth,
+    },
+    cuts::{FoundCut, find_cuts},
+    matched_frames::{adjust_matched_frames, fill_missing_cameras},
+    pairs::match_frames_pairwise,
+    pose_prior::{PosePrior, PriorSource},
+    relative_rotations::{RelativeRotations, TurnOptions, adjust_rotations},
+};

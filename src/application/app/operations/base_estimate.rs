@@ -120,7 +120,7 @@ impl Operation for BaseEstimate {
         result: Result<Box<EstimatedBase>, Failure<BaseEstimateError>>,
     ) {
         match result {
-            Ok(_) if !app.has_field_of(&self.document, &self.camera) => app.tell_other_field(),
+            Ok(_) if !app.has_field_of(&self.document, &self.camera) => app.report_other_field(),
             Ok(found) => {
                 let hint = app.settings.keys.with_key(Command::Compare, |key| {
                     format!("; hold {key} for the current base")
@@ -316,7 +316,7 @@ impl App {
         })
     }
 
-    fn tell_other_field(&mut self) {
+    fn report_other_field(&mut self) {
         let text = "The field changed in the meantime; the estimated base was discarded.";
         let offers = [("Estimate again", Command::EstimateBase)];
         self.session.notify_with(Level::Info, text, offers);
@@ -327,14 +327,14 @@ impl App {
         let of = self.operations.base_estimate.of.as_ref();
         if of.is_some_and(|(then, camera)| !self.has_field_of(then, camera)) {
             self.operations.base_estimate.last = LastEstimate::Nothing;
-            return self.tell_other_field();
+            return self.report_other_field();
         }
         if let Some(found) = self.operations.base_estimate.proposed_base() {
             let change = BulkChange::Base(Arc::clone(found));
             self.change_in_bulk(
                 Step::on_document("Estimate base"),
                 change,
-                Self::tell_base_used,
+                Self::report_base_used,
             );
         }
     }
@@ -352,14 +352,14 @@ impl App {
     }
 
     /// Updates the application after a proposed base was written into the document.
-    fn tell_base_used(&mut self, change: &BulkChange) {
+    fn report_base_used(&mut self, change: &BulkChange) {
         let BulkChange::Base(found) = change else {
             return;
         };
         self.session.retract(Command::UseEstimatedBase);
         self.session.retract(Command::EstimateBase);
         self.operations.base_estimate.last = LastEstimate::Applied(Arc::clone(found));
-        self.tell_assumed_size();
+        self.report_assumed_size();
         if self.session.panel == SidePanel::Camera {
             self.session.panel = SidePanel::Frame;
         }

@@ -74,7 +74,7 @@ impl Operation for BulkSolving {
             Ok(solved) => {
                 app.join_bulk(self.step.clone(), &solved, self.then);
             }
-            Err(failure) => app.tell_bulk_failed(&self.step, &failure),
+            Err(failure) => app.report_bulk_failed(&self.step, &failure),
         }
     }
 }
@@ -126,7 +126,7 @@ impl App {
         match work.run(&Progress::default()) {
             Ok(solved) => self.join_bulk(step, &solved, then),
             Err(error) => {
-                self.tell_bulk_failed(&step, &Failure::Failed(error));
+                self.report_bulk_failed(&step, &Failure::Failed(error));
                 false
             }
         }
@@ -174,7 +174,7 @@ impl App {
                 return true;
             }
             Err(error) => {
-                self.tell_bulk_failed(&step, &Failure::Failed(error));
+                self.report_bulk_failed(&step, &Failure::Failed(error));
                 return false;
             }
         };
@@ -186,12 +186,12 @@ impl App {
         }
         // The frames fit the new base already, which `commit` would adjust them to.
         self.close_step();
-        self.tell_withdrawn(joined.withdrawn);
+        self.report_withdrawn(joined.withdrawn);
         then(self, solved.change());
         true
     }
 
-    fn tell_bulk_failed(&mut self, step: &Step, failure: &Failure<BulkError>) {
+    fn report_bulk_failed(&mut self, step: &Step, failure: &Failure<BulkError>) {
         if *failure != Failure::Failed(BulkError::Stopped) {
             self.session.notify(
                 failure.level(),

@@ -93,7 +93,7 @@ impl App {
     /// Carries out an action. Returns the effects in the order in which the shell must carry them
     /// out.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
-        self.tell_tour(&action);
+        self.notify_tour(&action);
         // The action itself, then what waited for its end.
         self.apply(action);
         self.take_over_what_waited();
@@ -103,7 +103,7 @@ impl App {
         // trainer, templates that are still to be read.
         self.advance_tour();
         self.start_after_change();
-        self.tell_trainer();
+        self.notify_trainer();
         self.read_templates();
         std::mem::take(&mut self.effects)
     }

@@ -77,7 +77,7 @@ impl App {
     }
 
     /// Informs the tour of an action, before it is executed.
-    pub(super) fn tell_tour(&mut self, action: &Action) {
+    pub(super) fn notify_tour(&mut self, action: &Action) {
         let takes_point = matches!(
             action,
             Action::Pointer(PointerAction::Press { on: Some(_), .. })

@@ -22,7 +22,7 @@ impl App {
 
     /// Sends the trainer what has changed since the last orders: the settings, the shown frame, and
     /// the document. Nothing is sent during an open step.
-    pub(super) fn tell_trainer(&mut self) {
+    pub(super) fn notify_trainer(&mut self) {
         if self.no_trainer().is_some() {
             return;
         }
@@ -68,7 +68,7 @@ impl App {
 
     /// Informs the trainer that the document now shows some of its answers. The trainer must have
     /// had the document before; since nothing else changed, the document itself need not be sent.
-    pub(super) fn tell_shown_answers(&mut self, edit: &Edit, generation: u64, is_tracked: bool) {
+    pub(super) fn notify_shown_answers(&mut self, edit: &Edit, generation: u64, is_tracked: bool) {
         let keys = edit.changes.iter().filter_map(|change| match change {
             Change::Frame { id, revision, .. } => Some(AnswerKey {
                 frame: id.clone(),

@@ -27,7 +27,7 @@ impl Runner {
         let held = self.held.clone();
         self.begin("open", Kind::Opening, move |watch| {
             let progress =
-                Progress::new(|text| watch.tell(Action::Disk(DiskReport::Progress(text))));
+                Progress::new(|text| watch.notify(Action::Disk(DiskReport::Progress(text))));
             let path = match opening {
                 Opening::Path(path) | Opening::Again(path) => path,
                 Opening::Demo => demo::fresh_copy(&progress)?,

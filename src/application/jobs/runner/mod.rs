@@ -108,7 +108,7 @@ impl Runner {
             }
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
-                    trainer.tell(order);
+                    trainer.notify(order);
                 }
             }
             Effect::Journal { edit, to } => match &self.saver {
@@ -119,10 +119,10 @@ impl Runner {
                     )));
                 }
             },
-            Effect::WriteDocument => self.tell_saver(Saver::write),
-            Effect::Save { request } => self.tell_saver(|saver| saver.save(request)),
-            Effect::Outside(OutsideOrder::SaveOver) => self.tell_saver(Saver::save_over),
-            Effect::Outside(OutsideOrder::Read) => self.tell_saver(Saver::read_outside),
+            Effect::WriteDocument => self.notify_saver(Saver::write),
+            Effect::Save { request } => self.notify_saver(|saver| saver.save(request)),
+            Effect::Outside(OutsideOrder::SaveOver) => self.notify_saver(Saver::save_over),
+            Effect::Outside(OutsideOrder::Read) => self.notify_saver(Saver::read_outside),
             Effect::Orphan { file, order } => self.begin_with_orphan(file, order),
             Effect::SaveCopy {
                 of,
@@ -209,7 +209,7 @@ impl Runner {
         actions
     }
 
-    fn tell_saver(&self, order: impl FnOnce(&Saver)) {
+    fn notify_saver(&self, order: impl FnOnce(&Saver)) {
         if let Some(saver) = &self.saver {
             order(saver);
         }

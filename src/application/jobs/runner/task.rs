@@ -37,7 +37,7 @@ pub(super) struct TaskWatch<'a>(&'a Reporter<Action, Result<Outcome, JobError>>)
 
 impl TaskWatch<'_> {
     /// Reports progress and says whether the task should continue.
-    pub(super) fn tell(self, action: Action) -> ControlFlow<()> {
+    pub(super) fn notify(self, action: Action) -> ControlFlow<()> {
         self.0.progress(action);
         self.goes_on()
     }

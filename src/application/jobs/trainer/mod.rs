@@ -125,7 +125,7 @@ impl Trainer {
     }
 
     /// Sends an order; never blocks.
-    pub fn tell(&self, order: TrainerOrder) {
+    pub fn notify(&self, order: TrainerOrder) {
         let replaced = self
             .worker
             .mailbox()

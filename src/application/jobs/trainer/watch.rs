@@ -43,7 +43,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Reports what is being done; answers `Break` if the step is to end.
-    pub(super) fn tell(&self, doing: TrainerActivity) -> ControlFlow<()> {
+    pub(super) fn notify(&self, doing: TrainerActivity) -> ControlFlow<()> {
         self.mailbox.report(&TrainerStatus {
             doing,
             ..self.status.clone()

@@ -24,11 +24,11 @@ const WITHIN_PX: f64 = 4.0;
 const SPACING_PX: f64 = 12.0;
 const ALONG_PX: f64 = 18.0;
 
-/// A line is missing if at least [`ENOUGH`] of its samples, [`SPACING_PX`] apart and summed over all frames,
+/// A line is missing if at least [`MIN_SAMPLES`] of its samples, [`SPACING_PX`] apart and summed over all frames,
 /// should be visible and less than the share [`MIN_OF_LINE`] is. A field of another size, or one
 /// that is shifted, explains most lines and leaves one out. Right answers on three real and four
 /// drawn matches saw 0.42 and more of each line; a wrong one saw none of some.
-const ENOUGH: f64 = 40.0;
+const MIN_SAMPLES: f64 = 40.0;
 const MIN_OF_LINE: f64 = 0.3;
 
 /// The reasons to reject a base; none for a right answer.
@@ -169,14 +169,16 @@ pub fn labels(field: &FieldModel, lines: &[usize]) -> Vec<String> {
     of_lines.collect()
 }
 
-/// The missing lines ([`ENOUGH`]), by index. Those that end on the long sides are excepted.
+/// The missing lines ([`MIN_SAMPLES`]), by index. Those that end on the long sides are excepted.
 fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<usize> {
     let is_missing = |line: &usize| {
         let sum = |of: fn(&LineCounts) -> f64| -> f64 {
             of_frames.iter().map(|lines| of(&lines[*line])).sum()
         };
         let (predicted, seen) = (sum(|counts| counts.predicted), sum(|counts| counts.seen));
-        predicted >= ENOUGH && seen < MIN_OF_LINE * predicted && !ends_on_long_sides(field, *line)
+        predicted >= MIN_SAMPLES
+            && seen < MIN_OF_LINE * predicted
+            && !ends_on_long_sides(field, *line)
     };
     (0..field.lines.len()).filter(is_missing).collect()
 }

@@ -79,8 +79,8 @@ impl PanoramaPose {
 /// the boards 10 px beside the far goal line drew the length from 108.9 to 112.5 m and the camera 3
 /// to 4 m away, whatever it began with. By this weight it ends 0.5 m off.
 pub fn paint_certainty(width_px: f64) -> f64 {
-    const LEAST: f64 = 0.05;
-    detectability(width_px).max(LEAST)
+    const MIN_WEIGHT: f64 = 0.05;
+    detectability(width_px).max(MIN_WEIGHT)
 }
 
 /// A direction of paint with the line that it should lie on.

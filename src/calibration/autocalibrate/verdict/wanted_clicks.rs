@@ -18,7 +18,7 @@ use touchline_core::geometry::{ImageSize, Vec3};
 use touchline_core::markings::project_landmarks;
 
 /// The clicks to begin with, and those that always suffice.
-const FEW: usize = 2;
+const FIRST_CLICKS: usize = 2;
 const SUFFICIENT: usize = 4;
 
 /// The picture is divided into this many columns and rows.
@@ -48,10 +48,14 @@ pub fn wanted_clicks(
         })
         .rev()
         .max_by_key(|(_, rank)| *rank)?;
-    let landmarks = if clicks.len() < FEW { FEW } else { SUFFICIENT };
+    let landmarks = if clicks.len() < FIRST_CLICKS {
+        FIRST_CLICKS
+    } else {
+        SUFFICIENT
+    };
     let frame = matched.indices[number];
     let named = best
-        .filter(|_| landmarks == FEW)
+        .filter(|_| landmarks == FIRST_CLICKS)
         .and_then(|best| farthest_landmarks(best, frame, matched.image_size))
         .map(Vec::from);
     (filled > 0).then(|| WantedClicks {

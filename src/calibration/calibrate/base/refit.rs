@@ -49,11 +49,11 @@ pub fn refit(document: &mut Document, index: usize, before: &Document) {
         return;
     };
     frame.point(ptz, base.distortion.radial_at(ptz.focal_px));
-    tell(frame, off_px);
+    describe(frame, off_px);
 }
 
 /// Adds a warning if the lines moved nevertheless.
-fn tell(frame: &mut Frame, off_px: f64) {
+fn describe(frame: &mut Frame, off_px: f64) {
     let Some(solution) = &mut frame.solution else {
         return;
     };

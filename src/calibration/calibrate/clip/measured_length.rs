@@ -35,7 +35,7 @@ const FINE_SHARE: f64 = 0.1 / 105.0;
 /// The best length must explain this many times as much paint as any length that is farther away
 /// than a share of it. On a pitch of 101.8 m that was assumed to be 105 m long, it explained 1.5
 /// times as much.
-const PEAK: f64 = 1.2;
+const MIN_PEAK: f64 = 1.2;
 const PEAK_SHARE: f64 = 2.0 / 105.0;
 
 /// A frame shows the length if its score varies by at least this much over the lengths.
@@ -94,7 +94,7 @@ pub(in crate::calibrate) fn measure_length(
         .zip(&coarse_m)
         .filter(|(_, length_m)| (**length_m - best_m).abs() > PEAK_SHARE * param.assumed_m)
         .map(|(worth, _)| *worth);
-    if !(means[best] > 0.0 && means[best] >= PEAK * elsewhere.fold(0.0, f64::max)) {
+    if !(means[best] > 0.0 && means[best] >= MIN_PEAK * elsewhere.fold(0.0, f64::max)) {
         return None;
     }
     // Fine search around the peak, between the neighbours of the best.

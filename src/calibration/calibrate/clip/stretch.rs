@@ -12,7 +12,7 @@ use touchline_documents::document::{Document, Frame, FrameStatus};
 use touchline_vision::relocalize::CERTAIN;
 
 /// The most frames of a stretch on either side of the corrected one: as many as a person waits for.
-const MOST: usize = 300;
+const MAX_FRAMES: usize = 300;
 
 /// Whether a frame's camera ends a stretch: a person accepted it, the paint supports it, or it is
 /// certain and the paint does not contradict it.
@@ -76,8 +76,8 @@ fn doubtful_span(
     corrected: usize,
 ) -> RangeInclusive<usize> {
     // Both limits lie within the clip, so the range can be used as indices.
-    let first = corrected.saturating_sub(MOST);
-    let last = (corrected + MOST).min(clip.frames.len().saturating_sub(1));
+    let first = corrected.saturating_sub(MAX_FRAMES);
+    let last = (corrected + MAX_FRAMES).min(clip.frames.len().saturating_sub(1));
     let before = (first..corrected)
         .rev()
         .find(|index| is_trusted_at(document, clip, *index));

@@ -174,12 +174,12 @@ pub fn calibrate(
 #[must_use]
 pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
     /// Frames farther away are not used: in that time a camera can go anywhere.
-    const WITHIN: usize = 50;
+    const MAX_FRAMES_APART: usize = 50;
     let Some(frame) = document.frames.get(index) else {
         return Vec::new();
     };
     let mut found = Vec::with_capacity(NEIGHBOURS);
-    for distance in 1..=WITHIN {
+    for distance in 1..=MAX_FRAMES_APART {
         // By growing distance in the document, the earlier frame first.
         let both = [index.checked_sub(distance), index.checked_add(distance)];
         for other in both

@@ -13,7 +13,7 @@ use touchline_documents::document::{Document, Frame, FramePtz, FrameStatus};
 
 /// Frames farther apart than this are not compared, and no longer gap is filled, frames of the
 /// video. Within a second a camera may look elsewhere.
-const NEAR: f64 = 13.0;
+const MAX_FRAMES_APART: f64 = 13.0;
 
 /// A run is a clip if at most this share of its cameras is out of line, and if of the others at
 /// least this share, and this number, are in line with their neighbours. Of 330 cameras of a
@@ -221,9 +221,10 @@ fn step_px(document: &Document, from: usize, to: usize) -> Option<f64> {
     Some(disagreement(&own, ptz, ptz, document.frames[from].image_size).apart_px)
 }
 
-/// Whether a frame follows another within [`NEAR`] frames and has the same camera.
+/// Whether a frame follows another within [`MAX_FRAMES_APART`] frames and has the same camera.
 fn are_near(document: &Document, from: usize, to: usize) -> bool {
-    let is_near = frames_between(document, from, to).is_some_and(|way| way > 0.0 && way <= NEAR);
+    let is_near =
+        frames_between(document, from, to).is_some_and(|way| way > 0.0 && way <= MAX_FRAMES_APART);
     is_near && document.frames[from].camera == document.frames[to].camera
 }
 

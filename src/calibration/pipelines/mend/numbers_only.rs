@@ -35,7 +35,7 @@ const FAR_PX: f64 = 20.0;
 
 /// If more than this share of the frames was moved far, the cameras or their places are not what
 /// they seem.
-const MANY: f64 = 0.1;
+const MAX_SHARE_MOVED: f64 = 0.1;
 
 /// What became of given cameras without pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,7 +72,7 @@ impl MendedNumbers {
     /// Whether so many frames were moved far that a person should look at the list.
     #[must_use]
     pub fn has_moved_many(&self) -> bool {
-        self.moved_far.len() as f64 > MANY * self.came as f64
+        self.moved_far.len() as f64 > MAX_SHARE_MOVED * self.came as f64
     }
 }
 

@@ -3,7 +3,7 @@
 use touchline_documents::document::{Document, shots};
 
 /// Number of frames on either side of the current one that are queried first.
-const NEAR: usize = 8;
+const FRAMES_BESIDE: usize = 8;
 
 /// Longer shots, such as uncut recordings, are split into parts of this length.
 const LONGEST_SHOT: usize = 250;
@@ -35,7 +35,8 @@ impl QueryOrder {
             .iter()
             .find_map(|shot| Some((shot, shot.binary_search(&current).ok()?)))
         {
-            let near = &shot[at.saturating_sub(NEAR)..(at + NEAR + 1).min(shot.len())];
+            let near =
+                &shot[at.saturating_sub(FRAMES_BESIDE)..(at + FRAMES_BESIDE + 1).min(shot.len())];
             order
                 .first
                 .extend(near.iter().filter(|&&index| is_wanted[index]));

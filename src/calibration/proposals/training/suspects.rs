@@ -10,7 +10,7 @@ use touchline_vision::relocalize::{ContradictionOptions, Reference, contradictio
 
 /// Number of references, neighbours in pan, that are compared at a time; the features of no more
 /// are in memory. References far apart in pan share no view and cannot contradict each other.
-const TOGETHER: usize = 100;
+const MAX_REFERENCES: usize = 100;
 
 /// A reference to check: without these, no label would contradict another.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +48,7 @@ pub fn find_suspects(
             .collect();
         // The last references of one group and the first ones of the next are not compared. That
         // keeps the time linear and bounds the memory.
-        for together in of_camera.chunks(TOGETHER) {
+        for together in of_camera.chunks(MAX_REFERENCES) {
             let ReferenceSamples {
                 training_samples, ..
             } = study(pictures, reader, together, progress)?;

@@ -73,21 +73,29 @@ pub(super) mod shared_prior;
 mod start;
 mod summary;
 
-pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
-pub use change::{BaseChange, base_change};
+pub use adjust::{AdjustOptions, BasePriors};
 pub use cross_validation::{HeldOutErrors, ModelScore};
 pub use disputes::{DisputedClick, MirroredFrame};
-pub use estimate::{BaseOptions, cross_validated_errors, estimate_base, estimate_base_on_paint};
-pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
+pub use estimate::{BaseOptions, estimate_base};
+pub use field_fit::FittedSize;
 pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
 pub use model_choice::ModelReason;
 pub use one_more::{BesideFrames, OneMoreFrame};
 pub use pixel_aspect::PixelAspect;
 pub use progress::BaseProgress;
-pub use scatter::usual_displacement_m;
-pub use shared_place::{SharedPlace, shared_places};
-pub use start::{BaseStart, start_base};
+pub use shared_place::SharedPlace;
 pub use summary::{BaseEstimate, FrameFit};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    adjust::{AdjustedBase, adjust_base},
+    change::{BaseChange, base_change},
+    estimate::{cross_validated_errors, estimate_base_on_paint},
+    field_fit::{SizeParam, SizeStart, fit_field_size},
+    scatter::usual_displacement_m,
+    shared_place::shared_places,
+    start::{BaseStart, start_base},
+};
 
 use super::Observation;
 use crate::camera::{Ptz, PtzCamera};

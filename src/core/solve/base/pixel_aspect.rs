@@ -24,7 +24,7 @@ use std::fmt;
 
 /// A smaller deviation of the logarithm from zero is not reported: fields of another size than
 /// assumed look like that, and no usual scaling of pictures is so small.
-const LEAST: f64 = 0.06;
+const MIN_DEVIATION: f64 = 0.06;
 
 /// The deviation has to be this many sigmas.
 const CLEAR_SIGMAS: f64 = 4.0;
@@ -34,11 +34,11 @@ const USUAL_PROPORTION: f64 = 16.0 / 9.0;
 
 /// The step of the finite differences of the logarithm, and the longest step of the search.
 const DIFFERENCE: f64 = 0.04;
-const LONGEST: f64 = 0.2;
+const MAX_STEP: f64 = 0.2;
 
-/// Steps of the search at most; it ends when one is shorter than [`SHORT`].
+/// Steps of the search at most; it ends when one is shorter than [`SHORT_STEP`].
 const MAX_STEPS: usize = 12;
-const SHORT: f64 = 0.01;
+const SHORT_STEP: f64 = 0.01;
 
 /// The aspect of the pixels that the clicks fit best.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -61,7 +61,7 @@ impl PixelAspect {
 
     /// Whether the pixels are clearly not square.
     pub(super) fn is_clear(&self) -> bool {
-        self.value.ln().abs() > LEAST && self.sigmas() > CLEAR_SIGMAS
+        self.value.ln().abs() > MIN_DEVIATION && self.sigmas() > CLEAR_SIGMAS
     }
 }
 
@@ -152,7 +152,7 @@ impl<'a> AspectTest<'a> {
         // not quite those of the model: 1.26 on a broadcast with square pixels. They can say
         // whether a picture of an unusual proportion was a usual one, and nothing of others.
         let has_points = self.has_points();
-        if !has_points && self.of_usual_scaled().abs() <= LEAST {
+        if !has_points && self.of_usual_scaled().abs() <= MIN_DEVIATION {
             return None;
         }
         // The same adjustment once more, from where it ended: the search compares costs, which have
@@ -160,7 +160,7 @@ impl<'a> AspectTest<'a> {
         let square = self.adjust(0.0, 0.0, base, ptz);
         let mut at = self.adjust(0.0, 0.0, &square.adjusted.base, &square.adjusted.ptz);
         let (mut sigma, mut has_settled) = (f64::INFINITY, false);
-        let (mut last, mut longest): (f64, f64) = (0.0, LONGEST);
+        let (mut last, mut longest): (f64, f64) = (0.0, MAX_STEP);
         for _ in 0..MAX_STEPS {
             // Slope and curvature by central differences, and a Newton step; where the profile is
             // not convex, as long a step downhill as is allowed.
@@ -172,9 +172,9 @@ impl<'a> AspectTest<'a> {
                 sigma = (2.0 * at.adjusted.noise_scale / curvature).sqrt();
                 -slope / curvature
             } else {
-                -slope.signum() * LONGEST
+                -slope.signum() * MAX_STEP
             };
-            has_settled = step.abs() < SHORT;
+            has_settled = step.abs() < SHORT_STEP;
             if has_settled || !step.is_finite() {
                 break;
             }

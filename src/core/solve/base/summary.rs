@@ -73,7 +73,7 @@ impl BaseEstimate {
     pub fn one_view(&self) -> Option<String> {
         /// Frames whose pan and focal length differ by less than this are one view, degrees and log
         /// f.
-        const SAME: [f64; 2] = [3.0, 0.1];
+        const ONE_VIEW: [f64; 2] = [3.0, 0.1];
         let solved: Vec<&FrameFit> = self.frames.iter().flatten().collect();
         // The smallest arc, because pan may cross ±180°.
         let pan_deg = AngleRange::smallest(solved.iter().map(|fit| fit.ptz.pan))?
@@ -83,7 +83,7 @@ impl BaseEstimate {
         let (least, most) = log_focals.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
             (a.min(x), b.max(x))
         });
-        let same = solved.len() > 1 && pan_deg < SAME[0] && most - least < SAME[1];
+        let same = solved.len() > 1 && pan_deg < ONE_VIEW[0] && most - least < ONE_VIEW[1];
         let sigma_m = self.base.sigma.position_m.norm();
         same.then(|| {
             format!(

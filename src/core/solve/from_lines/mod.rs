@@ -68,9 +68,9 @@ mod starts;
 #[cfg(test)]
 mod tests;
 mod uncertainty;
-
-pub use error::FromLinesError;
-pub use priors::PicturePriors;
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {error::FromLinesError, priors::PicturePriors};
 
 use super::base::CrownModel;
 use super::{IdentityFinding, Observation, Uncertainty};
@@ -82,6 +82,7 @@ use renaming::correct_names;
 
 /// A picture with what was drawn in it.
 #[derive(Clone, Copy, Debug)]
+#[doc(hidden)]
 pub struct LinePicture<'a> {
     /// The field of the lines.
     pub field: &'a FieldModel,
@@ -102,6 +103,7 @@ impl LinePicture<'_> {
 
 /// How the camera of a picture is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[doc(hidden)]
 pub struct FromLinesOptions {
     /// What is usual of such cameras.
     pub priors: PicturePriors,
@@ -122,6 +124,7 @@ impl FromLinesOptions {
 
 /// The camera of one picture.
 #[derive(Clone, Debug, PartialEq)]
+#[doc(hidden)]
 pub struct CameraFromLines {
     /// Its base in the pan gauge: position, lean, lens and principal point, with their joint
     /// uncertainty.
@@ -151,6 +154,7 @@ impl CameraFromLines {
 ///
 /// # Errors
 /// Points that are not finite, too few lines or parallel ones, or lines that no camera explains.
+#[doc(hidden)]
 pub fn camera_from_lines(
     picture: &LinePicture<'_>,
     options: &FromLinesOptions,

@@ -347,7 +347,7 @@ impl Search<'_> {
 /// another line, or none. True for points and arcs.
 fn reaches(camera: &PtzCamera, click: &Observation) -> bool {
     /// Tolerance beyond either end, as a fraction of the line's length.
-    const BEYOND: f64 = 0.1;
+    const END_TOLERANCE: f64 = 0.1;
     let ObservedShape::Curve(curve) = &click.shape else {
         return true;
     };
@@ -355,5 +355,5 @@ fn reaches(camera: &PtzCamera, click: &Observation) -> bool {
         return true;
     }
     let nearest = click.shape.jacobian(camera, click.image);
-    nearest.is_some_and(|here| (-BEYOND..=1.0 + BEYOND).contains(&here.parameter))
+    nearest.is_some_and(|here| (-END_TOLERANCE..=1.0 + END_TOLERANCE).contains(&here.parameter))
 }

@@ -96,10 +96,10 @@ pub(in crate::solve) fn few_per_line(
     lines: &[DrawnLine],
     observations: &[Observation],
 ) -> Vec<Observation> {
-    const MOST: usize = 4;
+    const MAX_CLICKS: usize = 4;
     let on_lines = lines
         .iter()
-        .flat_map(|line| subsample(&line.indices, MOST))
+        .flat_map(|line| subsample(&line.indices, MAX_CLICKS))
         .map(|&index| &observations[index]);
     landmark_observations(observations)
         .chain(on_lines)

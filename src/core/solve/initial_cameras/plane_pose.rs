@@ -19,7 +19,7 @@ use thiserror::Error;
 /// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 60;
 /// A step in (rad, m, log f) below this ends the search.
-const ENOUGH: f64 = 1e-10;
+const SHORT_STEP: f64 = 1e-10;
 /// The longest step of the logarithm of the focal length: a factor of three.
 const LONGEST_FOCAL_STEP: f64 = 1.1;
 
@@ -64,7 +64,7 @@ impl PlanePose {
         };
         let until = Stopping {
             max_iterations: MAX_ITERATIONS,
-            short_step: ENOUGH,
+            short_step: SHORT_STEP,
             small_gain: 0.0,
         };
         minimise(&problem, self, until).state

@@ -4,7 +4,7 @@
 use crate::document::Frames;
 
 /// If more frames than this have changed, a complete recomputation is faster.
-const MANY: usize = 64;
+const MAX_CHANGED: usize = 64;
 
 /// Which frames changed between two states of a document.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ impl Frames {
             return FrameChanges::Anew;
         }
         let changed = self.differences(before);
-        if changed.len() > MANY {
+        if changed.len() > MAX_CHANGED {
             FrameChanges::Anew
         } else {
             FrameChanges::At(changed)
@@ -67,7 +67,7 @@ mod tests {
         assert_eq!(after.changes_since(&before), FrameChanges::Anew);
         let mut many = before.clone();
         many.iter_mut()
-            .take(MANY + 1)
+            .take(MAX_CHANGED + 1)
             .for_each(|frame| frame.comment = Some("rain".to_owned()));
         assert_eq!(many.changes_since(&before), FrameChanges::Anew);
     }

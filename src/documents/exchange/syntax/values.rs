@@ -60,9 +60,9 @@ pub fn refuse_further_coefficients(others: &[f64]) -> Result<(), Problem> {
 /// The beginning of a text, for a message.
 #[must_use]
 pub fn shorten(text: &str) -> String {
-    const LONGEST: usize = 60;
+    const MAX_CHARACTERS: usize = 60;
     // Letters, not bytes: a cut within a letter of several bytes would panic.
-    let mut clipped: String = text.chars().take(LONGEST).collect();
+    let mut clipped: String = text.chars().take(MAX_CHARACTERS).collect();
     if clipped.len() < text.len() {
         clipped.push('…');
     }

@@ -32,12 +32,12 @@ pub(super) fn sample_times_s(path: &Path) -> Result<Option<Vec<f64>>, MediaError
 /// The boxes `ftyp` and `moov`, which identify the file and index its content; `None` if one is
 /// missing or too large, or the file is fragmented (`moof`).
 fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
-    const WIDE: u64 = 16;
+    const WIDE_HEADER: u64 = 16;
     let (mut kind_of_file, mut index) = (None, None);
     let mut at = 0;
-    while at + WIDE <= bytes {
+    while at + WIDE_HEADER <= bytes {
         file.seek(SeekFrom::Start(at))?;
-        let mut head = [0; WIDE as usize];
+        let mut head = [0; WIDE_HEADER as usize];
         file.read_exact(&mut head)?;
         // The length of a box is 32 bits; 0 means to the end of the file, 1 that 64 bits follow its
         // type.

@@ -71,7 +71,7 @@ pub struct LineCheck {
 const EMPTY_LINE: f64 = 0.3;
 /// Such a line lies beside its paint if the unexplained share exceeds the first number plus the
 /// second times the line's own share of paint.
-const ALONE: [f64; 2] = [0.1, 0.5];
+const UNEXPLAINED_LIMIT: [f64; 2] = [0.1, 0.5];
 
 impl LineCheck {
     /// Whether one part of the field lies on its paint and another part beside it, as happens if
@@ -86,7 +86,7 @@ impl LineCheck {
         let Some((seen, alone)) = self.emptiest.zip(self.unexplained) else {
             return false;
         };
-        seen < EMPTY_LINE && alone > ALONE[0] + ALONE[1] * seen
+        seen < EMPTY_LINE && alone > UNEXPLAINED_LIMIT[0] + UNEXPLAINED_LIMIT[1] * seen
     }
 
     /// The number of samples on open ground.
@@ -209,7 +209,7 @@ fn emptiest_line(sightings: &LineObservations) -> Option<f64> {
 const LOG_ODDS: [f64; 3] = [-0.65, 9.6, -1.46];
 
 /// Number of open samples at which the weights are half of those for very many samples.
-const FEW: f64 = 20.0;
+const HALF_WEIGHT_SAMPLES: f64 = 20.0;
 
 /// The halves' distance is limited to this range, px at 1920 px width.
 const HALVES_PX: (f64, f64) = (0.3, 30.0);
@@ -221,7 +221,7 @@ const NEUTRAL_HALVES_PX: f64 = 2.0;
 /// 1920 px width, and the weight of the open samples; see [`LOG_ODDS`].
 fn score(agreement: f64, halves_px: f64, open: f64) -> f64 {
     // Shrinks the evidence towards the constant where few samples are open.
-    let known = open / (open + FEW);
+    let known = open / (open + HALF_WEIGHT_SAMPLES);
     // The logarithm, because the halves' distance ranges over two orders of magnitude.
     let halves = (halves_px.clamp(HALVES_PX.0, HALVES_PX.1) / NEUTRAL_HALVES_PX).ln();
     let log_odds = LOG_ODDS[0] + known * (LOG_ODDS[1] * (agreement - 0.5) + LOG_ODDS[2] * halves);

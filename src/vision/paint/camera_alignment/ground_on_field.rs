@@ -25,7 +25,7 @@ const SMOOTH_SHARE: f64 = 0.12;
 const SMOOTH: f64 = 6.0;
 
 /// Minimum number of smooth pixels on the field.
-const FEWEST: usize = 60;
+const MIN_SMOOTH: usize = 60;
 
 /// The picture's own ground is right if at least this share of the field's smooth pixels has its
 /// colours.
@@ -44,7 +44,7 @@ pub(super) fn ground_on_field<'a>(
 ) -> Cow<'a, GroundPicture> {
     let inside = FieldColours::inside(ground, field, camera);
     let smooth = inside.smooth.len();
-    if smooth < FEWEST || (smooth as f64) < SHARE_OF_SMOOTH * inside.all as f64 {
+    if smooth < MIN_SMOOTH || (smooth as f64) < SHARE_OF_SMOOTH * inside.all as f64 {
         return Cow::Borrowed(ground);
     }
     let own = ground.surface();

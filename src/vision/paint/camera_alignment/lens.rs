@@ -23,7 +23,7 @@ const STEP: f64 = 0.02;
 const STEPS: i32 = 5;
 
 /// Maximum |k₁| of real lenses.
-const MOST: f64 = 0.5;
+const MAX_K1: f64 = 0.5;
 
 /// Maximum 1-σ of an accepted k₁.
 const MAX_SIGMA: f64 = 0.05;
@@ -95,7 +95,7 @@ pub(super) fn own_lens(
             return Err(SnapError::LensOpen { sigma });
         }
         // Newton step to the vertex of the parabola, at most one grid step.
-        k1 = (values[best] + (-slope / curvature).clamp(-STEP, STEP)).clamp(-MOST, MOST);
+        k1 = (values[best] + (-slope / curvature).clamp(-STEP, STEP)).clamp(-MAX_K1, MAX_K1);
         let ptz = refine_with_k1(&found, k1, &seen).ptz;
         let base = with_k1(near.base(), k1);
         let base = CameraBase {

@@ -13,21 +13,21 @@ const ZOOMS: i32 = 2;
 const ZOOM_SHARE: f64 = 0.75;
 
 /// A ridge votes for a step within this distance of its line, in grid steps.
-const WITHIN: f64 = 1.0;
+const VOTE_RADIUS: f64 = 1.0;
 
 /// Steps with fewer votes than this share of the best one's are dropped.
 const WORTH: f64 = 0.6;
 
 /// Steps nearer to a better one than this are dropped, in grid steps.
-const SAME: f64 = 2.5;
+const MIN_SEPARATION: f64 = 2.5;
 
 /// A step moves no click farther off than this many σ beyond its present distance.
 const CLICK_SIGMAS: f64 = 5.0;
 
 /// Maximum number of steps that are returned.
-const MOST: usize = 3;
+const MAX_STEPS: usize = 3;
 
-/// The distinct steps after which most samples find a ridge, best first; at most [`MOST`].
+/// The distinct steps after which most samples find a ridge, best first; at most [`MAX_STEPS`].
 ///
 /// A vote instead of a descent: within reach of a search there are parallel lines, and each is a
 /// minimum of its own. The start alone does not say which one is right.
@@ -50,7 +50,7 @@ pub(super) fn likely_steps(
                     f64::from(zoom) * zoom_px,
                 );
                 if clicks.allows(&step, CLICK_SIGMAS) {
-                    votes.push((ridges.votes(&step, WITHIN * grid_px), step));
+                    votes.push((ridges.votes(&step, VOTE_RADIUS * grid_px), step));
                 }
             }
         }
@@ -68,11 +68,11 @@ pub(super) fn likely_steps(
     {
         if likely
             .iter()
-            .all(|other| (other - step).norm() > SAME * grid_px)
+            .all(|other| (other - step).norm() > MIN_SEPARATION * grid_px)
         {
             likely.push(*step);
         }
-        if likely.len() == MOST {
+        if likely.len() == MAX_STEPS {
             break;
         }
     }

@@ -43,7 +43,7 @@ pub fn smooth(frames: &[UnsmoothedFrame], options: &SmoothOptions) -> Vec<Ptz> {
     let Some(first) = frames.first().map(|frame| frame.ptz) else {
         return Vec::new();
     };
-    if frames.len() < LEAST {
+    if frames.len() < MIN_FRAMES {
         return frames.iter().map(|frame| frame.ptz).collect();
     }
     // Accumulate (pan rad, tilt rad, ln f) from frame to frame, relative to the first: pan then
@@ -106,7 +106,7 @@ pub fn smooth(frames: &[UnsmoothedFrame], options: &SmoothOptions) -> Vec<Ptz> {
 }
 
 /// Minimum number of frames to smooth.
-const LEAST: usize = 5;
+const MIN_FRAMES: usize = 5;
 
 /// Maximum number of runs in which references gain weight.
 const TRIES: usize = 8;

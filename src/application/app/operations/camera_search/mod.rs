@@ -300,17 +300,17 @@ impl App {
             BulkChange::Autocalibrated(found),
             |app, change| {
                 if let BulkChange::Autocalibrated(found) = change {
-                    app.tell_found_camera(found);
+                    app.report_found_camera(found);
                 }
             },
         );
     }
 
     /// Reports a camera that was written into the document.
-    fn tell_found_camera(&mut self, found: &FoundCamera) {
+    fn report_found_camera(&mut self, found: &FoundCamera) {
         self.session.retract(Command::FindCamera);
         self.session.retract(Command::EstimateBase);
-        self.tell_assumed_size();
+        self.report_assumed_size();
         let offers = [("Review", Command::ReviewPanel), ("Undo", Command::Undo)];
         self.session
             .notify_with(Level::Info, describe_found(&found.found), offers);

@@ -35,7 +35,7 @@ fn describe_length(
 impl App {
     /// Reports another length of the field that the tracked frames require. Offers to use it if the
     /// document states none.
-    pub(super) fn tell_length(&mut self, found: LengthOnLines) {
+    pub(super) fn report_length(&mut self, found: LengthOnLines) {
         let text = describe_length(&found);
         if found.is_prescribed {
             self.session.notify(Level::Warning, text);
@@ -118,7 +118,7 @@ mod tests {
     fn a_measured_length_is_suggested_and_applied_in_one_step() {
         let mut app = app();
         assert!(app.why_not(Command::TakeLength).is_some());
-        app.tell_length(measured(false));
+        app.report_length(measured(false));
         assert!(
             app.session.offers(Command::TakeLength) && app.why_not(Command::TakeLength).is_none()
         );
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn a_stated_length_stays() {
         let mut app = app();
-        app.tell_length(measured(true));
+        app.report_length(measured(true));
         assert!(app.why_not(Command::TakeLength).is_some());
         let texts: Vec<&str> = app
             .session

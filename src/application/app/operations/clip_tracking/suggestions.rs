@@ -101,7 +101,7 @@ impl App {
         self.session
             .notify_with(level, describe_tracked(&taken, count), offers);
         for found in lengths {
-            self.tell_length(found);
+            self.report_length(found);
         }
     }
 

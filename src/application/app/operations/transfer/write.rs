@@ -134,7 +134,7 @@ impl Operation for TransferWrite {
                     app.session.dialog = None;
                 }
                 // The result comes last, so that it is the message in the row.
-                app.tell_assumed_size();
+                app.report_assumed_size();
                 let offers = [("Open folder", Command::ShowExported)];
                 app.session.notify_with(Level::Info, says, offers);
             }

@@ -11,7 +11,7 @@ use touchline_documents::document::{Frame, FramePtz};
 
 /// Number of solved frames of other shots, on either side, that serve as examples of where a camera
 /// usually looks.
-const ELSEWHERE: usize = 20;
+const NUM_OF_OTHER_SHOTS: usize = 20;
 
 /// Number of labelled frames, on either side, that serve as examples of where names were clicked.
 const REMEMBERED_FRAMES: usize = 3;
@@ -97,7 +97,7 @@ fn ptz_in_other_shots(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     let Some(frame) = open.frame(frame_index) else {
         return Vec::new();
     };
-    nearest_on_both_sides(open, frame_index, ELSEWHERE, |other| {
+    nearest_on_both_sides(open, frame_index, NUM_OF_OTHER_SHOTS, |other| {
         vouches_in_other_shot(other, frame)
     })
     .into_iter()

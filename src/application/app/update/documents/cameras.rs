@@ -66,14 +66,14 @@ impl App {
             camera: name.clone(),
             new,
         }));
-        if self.change_in_bulk(step, change, Self::tell_assigned) {
+        if self.change_in_bulk(step, change, Self::report_assigned) {
             self.session.dialog = None;
             self.session.frames_selected.clear();
         }
     }
 
     /// Reports frames that were assigned to a camera.
-    fn tell_assigned(&mut self, change: &BulkChange) {
+    fn report_assigned(&mut self, change: &BulkChange) {
         let BulkChange::Assign(given) = change else {
             return;
         };
@@ -101,7 +101,7 @@ impl App {
         self.change_in_bulk(
             step,
             BulkChange::Assign(Box::new(given)),
-            Self::tell_assigned,
+            Self::report_assigned,
         );
     }
 }

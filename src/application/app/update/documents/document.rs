@@ -69,7 +69,7 @@ impl App {
             self.session.sport_guess = super::sport::guess_template(&opened.file.to_string_lossy());
         }
         self.session.disk.orphans.clone_from(&opened.orphans);
-        self.tell_orphans();
+        self.report_orphans();
         let first = opened.document().frames.first();
         let picture = first.and_then(|frame| frame.picture_source(&opened.folder));
         self.settings

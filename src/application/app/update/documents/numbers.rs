@@ -175,7 +175,7 @@ impl App {
     }
 
     /// Reports that the size of the field is assumed, if it is, with a button to confirm it.
-    pub(in crate::app) fn tell_assumed_size(&mut self) {
+    pub(in crate::app) fn report_assumed_size(&mut self) {
         if let Some(text) = self
             .shown_field_spec()
             .and_then(FieldSpec::describe_assumed_size)

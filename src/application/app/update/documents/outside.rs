@@ -91,7 +91,7 @@ impl App {
     }
 
     /// Reports edits that were set aside beside the document.
-    pub(super) fn tell_orphans(&mut self) {
+    pub(super) fn report_orphans(&mut self) {
         let count: usize = self
             .session
             .disk
@@ -168,12 +168,12 @@ impl App {
         self.session.frames_selected.clear();
         // `solve_after_merge` has updated the frames already.
         self.close_step();
-        self.tell_merged(of, solved, &conflicts, &replaced);
+        self.report_merged(of, solved, &conflicts, &replaced);
         true
     }
 
     /// Reports the result of a merge, with a button to undo it.
-    fn tell_merged(
+    fn report_merged(
         &mut self,
         of: MergeOf,
         solved: Result<SolvedAfterMerge, FieldError>,
@@ -203,7 +203,7 @@ impl App {
                 solved: 0,
                 withdrawn,
                 ..
-            }) => self.tell_withdrawn(withdrawn),
+            }) => self.report_withdrawn(withdrawn),
             Ok(SolvedAfterMerge {
                 solved, withdrawn, ..
             }) => {
@@ -211,7 +211,7 @@ impl App {
                 sentences.push(format!(
                     "Solved again on the merged base or field: {solved} {frames}."
                 ));
-                self.tell_withdrawn(withdrawn);
+                self.report_withdrawn(withdrawn);
             }
             Err(error) => {
                 sentences.push(format!(

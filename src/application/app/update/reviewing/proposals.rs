@@ -29,7 +29,7 @@ impl App {
         // shown now.
         if is_known {
             let generation = open.forest_generation;
-            self.tell_shown_answers(&edit, generation, false);
+            self.notify_shown_answers(&edit, generation, false);
         }
         self.journal_edit(edit);
         // A panic is an error of the program; only one is reported.
@@ -58,7 +58,7 @@ impl App {
             return;
         };
         if is_known {
-            self.tell_shown_answers(&edit, newest, true);
+            self.notify_shown_answers(&edit, newest, true);
         }
         self.journal_edit(edit);
     }
@@ -151,11 +151,11 @@ impl App {
         // The view is the document as last journalled: that is, before this step.
         let before = open.project.view().clone();
         let withdrawn = follow_all_bases(&mut open.document, &before);
-        self.tell_withdrawn(withdrawn);
+        self.report_withdrawn(withdrawn);
     }
 
     /// Reports proposals that were withdrawn because they belong to a former base.
-    pub(in crate::app) fn tell_withdrawn(&mut self, withdrawn: usize) {
+    pub(in crate::app) fn report_withdrawn(&mut self, withdrawn: usize) {
         if withdrawn > 0 {
             let (proposals, were) = if withdrawn == 1 {
                 ("proposal", "was")

@@ -68,12 +68,12 @@ impl Controller {
         }
     }
 
-    fn tell(&self, order: TrainerOrder) {
-        self.trainer.as_ref().unwrap().tell(order);
+    fn notify(&self, order: TrainerOrder) {
+        self.trainer.as_ref().unwrap().notify(order);
     }
 
     fn document(&self, document: &Document) {
-        self.tell(TrainerOrder::Document(Box::new(document.clone())));
+        self.notify(TrainerOrder::Document(Box::new(document.clone())));
     }
 
     /// Waits for the next piece of work, checks it, and lets it end.

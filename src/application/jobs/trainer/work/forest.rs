@@ -104,7 +104,7 @@ impl<C: Backend> Work<C> {
         );
         let backend = &mut self.backend;
         let learnt = catch_panic("learning", || {
-            let progress = Progress::new(|doing| watch.tell(doing));
+            let progress = Progress::new(|doing| watch.notify(doing));
             backend.learn(&document, &training_frames, &training_set, &progress)
         });
         match learnt {
@@ -175,7 +175,7 @@ impl<C: Backend> Work<C> {
         );
         let backend = &mut self.backend;
         let measured = catch_panic("measuring quality", || {
-            let progress = Progress::new(|doing| watch.tell(doing));
+            let progress = Progress::new(|doing| watch.notify(doing));
             backend.measure(&document, training_frames, &progress)
         });
         // If this ended early, or the training set has changed, it is measured again.

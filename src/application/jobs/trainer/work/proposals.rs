@@ -122,7 +122,7 @@ impl<C: Backend> Work<C> {
         let backend = &mut self.backend;
         let proposed = catch_unwind(AssertUnwindSafe(|| {
             let progress = Progress::new(|more| {
-                watch.tell(TrainerActivity::Proposing(Share {
+                watch.notify(TrainerActivity::Proposing(Share {
                     done: done + more,
                     of,
                 }))
@@ -203,7 +203,7 @@ impl<C: Backend> Work<C> {
         let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
         let before = self.tracked;
         let progress = Progress::new(|done: usize| {
-            watch.tell(TrainerActivity::Carrying(Share {
+            watch.notify(TrainerActivity::Carrying(Share {
                 done: before + done.min(window.between.len()),
                 of: before + waiting,
             }))
