@@ -217,8 +217,8 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     Ok(Outcome::from_failure(!(are_all_read && is_whole)))
 }
 
-/// What to say of cameras of which one measures a length of the field that another contradicts: they
-/// are of two stadiums, or one of them is wrong.
+/// What to say of cameras of which one measures a length of the field that another contradicts:
+/// they are of two stadiums, or one of them is wrong.
 fn describe_different_fields(cameras: &[Arc<AutocalibratedCamera>]) -> Vec<String> {
     /// Measured lengths that are farther apart than this many 1-σ are of two fields.
     const DIFFERENT_SIGMAS: f64 = 3.0;

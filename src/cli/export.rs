@@ -481,6 +481,8 @@ mod tests {
             "seed",
             "licence",
         ];
+        // And these to `--points`, whose layouts refuse what they do not take.
+        let of_points = ["points", "layout", "model", "min_probability"];
         let declared: Vec<String> = FormatOption::ALL
             .iter()
             .map(|option| option.name().replace('-', "_"))
@@ -496,6 +498,7 @@ mod tests {
             {
                 let is_known = of_all.contains(&id)
                     || of_datasets.contains(&id)
+                    || of_points.contains(&id)
                     || declared.iter().any(|name| name == id);
                 assert!(is_known, "{} {id}", command.get_name());
             }

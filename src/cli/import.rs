@@ -9,7 +9,7 @@ use super::relocalize::probability;
 use crate::cli::terminal::attached_labels::{attach_to_video, open_video, read_labels, recognize};
 use crate::cli::terminal::document::DocumentOutput;
 use crate::cli::terminal::messages::{Messages, count_steps};
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -49,8 +49,8 @@ pub struct ImportArgs {
     /// attached to the frame of its number.
     #[arg(long, conflicts_with = "images")]
     video: Option<PathBuf>,
-    /// The cameras are of every N-th frame of the video, as frames were sampled from it; the document
-    /// has these frames alone.
+    /// The cameras are of every N-th frame of the video, as frames were sampled from it; the
+    /// document has these frames alone.
     #[arg(long, value_name = "N", default_value = "1", requires = "video", value_parser = parse_stride)]
     every: NonZeroUsize,
     #[command(flatten)]
@@ -192,6 +192,11 @@ impl ImportArgs {
             format.refuse_options(self.list_options(), Direction::Import)?;
             return Ok(Source::Labels(format));
         };
+        // Clap does not ask for `--points` where the path that it excludes is given.
+        ensure!(
+            self.points.is_some(),
+            "--layout belongs to --points PATH; labels of people have a --format"
+        );
         layout.refuse_options(self.list_options())?;
         let name = self.model.clone();
         let model = PointModel {

@@ -31,11 +31,11 @@ use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES
 /// tracking from neighbouring frames.
 ///
 /// VIDEO and CAMERAS give a new document; without CAMERAS, VIDEO is a document whose frames have
-/// imported cameras. Cameras alone, without a video, are compared with each other only: each goes to
-/// the place at which it stands with others, if it fits there; frames that follow each other in time
-/// by the numbers in their names are compared, and those out of line replaced. What came stays with
-/// each frame. Exit code 1 if frames are left for a person, or more than a tenth was moved by over
-/// 20 px.
+/// imported cameras. Cameras alone, without a video, are compared with each other only: each goes
+/// to the place at which it stands with others, if it fits there; frames that follow each other in
+/// time by the numbers in their names are compared, and those out of line replaced. What came stays
+/// with each frame. Exit code 1 if frames are left for a person, or more than a tenth was moved by
+/// over 20 px.
 #[derive(clap::Args, Debug)]
 pub struct MendArgs {
     /// The video, a document with imported cameras, or cameras alone.

@@ -1,9 +1,9 @@
 //! Writes pictures that were stretched to another proportion as they were before.
 //!
 //! Sets for training networks come as 640 × 640, and frames of older videos lose the proportion
-//! that their container states. A camera has square pixels here, so that such pictures give one that
-//! stands too high by the stretch. Once they are written in their own proportion, nothing else of
-//! the program has to know of it.
+//! that their container states. A camera has square pixels here, so that such pictures give one
+//! that stands too high by the stretch. Once they are written in their own proportion, nothing else
+//! of the program has to know of it.
 
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::refuse_existing;

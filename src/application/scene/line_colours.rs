@@ -99,8 +99,8 @@ const fn sport(id: &'static str, name: &'static str, ground: Ground, colour: [u8
 }
 
 impl Sport {
-    /// The sport that gives the lines of a built-in field template their colour. `None` for a user's
-    /// own template.
+    /// The sport that gives the lines of a built-in field template their colour. `None` for a
+    /// user's own template.
     #[must_use]
     pub fn from_template(template: &str) -> Option<&'static Self> {
         let alike = COLOURED_ALIKE.iter().find(|(other, _)| *other == template);

@@ -124,7 +124,8 @@ impl<'a> Search<'a> {
     /// Returns the answer; abstaining is an answer, not an error.
     ///
     /// Where the frames show too little and the camera has more of them, it is tried once more with
-    /// twice as many: a line that is worn, in the shade or behind players in some is seen in others.
+    /// twice as many: a line that is worn, in the shade or behind players in some is seen in
+    /// others.
     fn run(
         &self,
         max_sampled: usize,

@@ -9,8 +9,8 @@
 //!    same way, and so on.
 //! 3. The frames that were not sampled follow. Those of a video are tracked from the others, and
 //!    the base is refined on the paint of all of them; shots without a known frame are answered by
-//!    a forest that learns from the tracked frames, and are tracked in their turn. For images, a forest is trained on the
-//!    frames that lie on their paint, and queried.
+//!    a forest that learns from the tracked frames, and are tracked in their turn. For images, a
+//!    forest is trained on the frames that lie on their paint, and queried.
 
 use super::forest_labels::{
     ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames,
@@ -321,7 +321,8 @@ pub fn label_match(
     };
     // The camera is written at once, because the frames of further cameras are split off from it.
     record_found(labelling.document, camera, &first);
-    // The following steps check for themselves whether the work is cancelled, and keep what is done.
+    // The following steps check for themselves whether the work is cancelled, and keep what is
+    // done.
     let _ = progress.report(MatchEvent::Found {
         camera: camera.clone(),
         found: Arc::clone(&first),

@@ -45,7 +45,8 @@ pub struct TrackingOptions {
 pub enum TrackingEvent {
     /// Tracking of a clip starts.
     Begun(ClipSpan),
-    /// The clicks of a camera were named for the wrong sides, and have the names now that were meant.
+    /// The clicks of a camera were named for the wrong sides, and have the names now that were
+    /// meant.
     Renamed(CameraId, Misnamed),
     /// Progress within the clip.
     Progress(ClipProgress),
@@ -271,8 +272,8 @@ impl Tracking<'_> {
     }
 
     /// Adopts the lengths of fields that the tracked frames require, in the document as it was
-    /// before tracking, unless the user prescribes them. Of several clips with one field, the one that
-    /// shows a length in most frames decides. True if the clips have to be tracked again.
+    /// before tracking, unless the user prescribes them. Of several clips with one field, the one
+    /// that shows a length in most frames decides. True if the clips have to be tracked again.
     fn take_shown_lengths(&mut self, document: &mut Document, known: &mut Document) -> bool {
         let mut lengths = std::mem::take(&mut self.lengths);
         lengths.sort_by_key(|found| std::cmp::Reverse(found.frames));

@@ -23,8 +23,8 @@ impl Misnaming {
     /// Every one.
     pub const ALL: [Self; 3] = [Self::BehindAnEnd, Self::LeftForRight, Self::NearForFar];
 
-    /// The element that is meant by the name of another one. The same where its name says nothing of
-    /// the sides in question, or where the field has no such element.
+    /// The element that is meant by the name of another one. The same where its name says nothing
+    /// of the sides in question, or where the field has no such element.
     #[must_use]
     pub fn meant_element(self, named: FieldElement, field: &FieldModel) -> FieldElement {
         let meant = match named {

@@ -94,9 +94,9 @@ impl PlaneView {
         let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
         let h = &self.image_from_ground;
         let (x, y, depth) = (h.row(0), h.row(1), h.row(2));
-        // The picture as half-planes of the ground: depth ≥ MIN_DEPTH_SHARE, 0 ≤ x ≤ width and 0 ≤ y ≤ height,
-        // each multiplied by the depth. They are then linear in the ground point, and no division
-        // by a depth of 0 occurs.
+        // The picture as half-planes of the ground: depth ≥ MIN_DEPTH_SHARE, 0 ≤ x ≤ width and 0 ≤
+        // y ≤ height, each multiplied by the depth. They are then linear in the ground point, and
+        // no division by a depth of 0 occurs.
         let sides = [
             depth - Vec3::new(0.0, 0.0, MIN_DEPTH_SHARE).transpose(),
             x.into_owned(),

@@ -1,11 +1,11 @@
 //! The document: typed schema, versions, edits, history (undo), reading and writing its text. No
 //! disk, no solver.
 //!
-//! [`Document`] and what it holds mirror the JSON of a project or dataset key by key, in the document's own units
-//! (degrees, metres, px), so that a number that is read is written back to the last digit. The way
-//! to the mathematics leads through [`Camera::base`], [`Camera::ptz_camera`] and [`FramePtz::ptz`].
-//! Unknown keys are kept at every level. A project is a folder with `project.json`; a dataset is
-//! one file of the same schema, without unnamed clicks.
+//! [`Document`] and what it holds mirror the JSON of a project or dataset key by key, in the
+//! document's own units (degrees, metres, px), so that a number that is read is written back to the
+//! last digit. The way to the mathematics leads through [`Camera::base`], [`Camera::ptz_camera`]
+//! and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a folder with
+//! `project.json`; a dataset is one file of the same schema, without unnamed clicks.
 //!
 //! # Files
 //!

@@ -3,8 +3,8 @@
 //! A pan-tilt forest learns from references which ray a descriptor shows ([`train`]). The features
 //! of a new picture get candidate rays from it, and [`pose_from_candidates`] finds the camera that
 //! most of them agree on, or the reason why there is none ([`NotFound`]). [`relocalize()`] does
-//! both; [`ForestModel`] is a forest on disk. [`adjust_labels`] adjusts the labels of references to each
-//! other; [`contradictions()`] finds those that do not agree at all.
+//! both; [`ForestModel`] is a forest on disk. [`adjust_labels`] adjusts the labels of references to
+//! each other; [`contradictions()`] finds those that do not agree at all.
 
 mod alignment;
 mod answer;

@@ -1,11 +1,11 @@
 //! A synthetic match with exact truth: for tests, measurements, the demo and `touchline synth`.
 //!
-//! [`stadium`] builds a place from a seed: striped grass whose grain differs from spot to spot, the painted lines of a
-//! [`FieldModel`](touchline_core::field::FieldModel) at their real width, boards with words, stands full of people, goals with
-//! nets, and a match in progress. [`Stadium::render`] takes a picture of it with a
-//! [`PtzCamera`](touchline_core::camera::PtzCamera): every pixel is the ray of its centre through
-//! the exact camera, so the truth is exact. [`camera_path`] moves the camera as an operator would.
-//! Nothing is copied from real footage; all names are invented.
+//! [`stadium`] builds a place from a seed: striped grass whose grain differs from spot to spot, the
+//! painted lines of a [`FieldModel`](touchline_core::field::FieldModel) at their real width, boards
+//! with words, stands full of people, goals with nets, and a match in progress. [`Stadium::render`]
+//! takes a picture of it with a [`PtzCamera`](touchline_core::camera::PtzCamera): every pixel is
+//! the ray of its centre through the exact camera, so the truth is exact. [`camera_path`] moves the
+//! camera as an operator would. Nothing is copied from real footage; all names are invented.
 //!
 //! [`Stadium::at`] lets spectators move and boards change between frames, as they do in a real one.
 //!

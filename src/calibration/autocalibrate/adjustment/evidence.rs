@@ -24,10 +24,10 @@ const WITHIN_PX: f64 = 4.0;
 const SPACING_PX: f64 = 12.0;
 const ALONG_PX: f64 = 18.0;
 
-/// A line is missing if at least [`MIN_SAMPLES`] of its samples, [`SPACING_PX`] apart and summed over all frames,
-/// should be visible and less than the share [`MIN_OF_LINE`] is. A field of another size, or one
-/// that is shifted, explains most lines and leaves one out. Right answers on three real and four
-/// drawn matches saw 0.42 and more of each line; a wrong one saw none of some.
+/// A line is missing if at least [`MIN_SAMPLES`] of its samples, [`SPACING_PX`] apart and summed
+/// over all frames, should be visible and less than the share [`MIN_OF_LINE`] is. A field of
+/// another size, or one that is shifted, explains most lines and leaves one out. Right answers on
+/// three real and four drawn matches saw 0.42 and more of each line; a wrong one saw none of some.
 const MIN_SAMPLES: f64 = 40.0;
 const MIN_OF_LINE: f64 = 0.3;
 

@@ -101,8 +101,8 @@ impl PaintCorrespondence {
         (length > 0.0).then(|| (across / length, length))
     }
 
-    /// The angle that the paint of the line appears wide, rad, if it is painted `paint_m` wide; none
-    /// if the line points at the camera.
+    /// The angle that the paint of the line appears wide, rad, if it is painted `paint_m` wide;
+    /// none if the line points at the camera.
     pub fn paint_angle(&self, at: &PanoramaPose, paint_m: f64) -> Option<f64> {
         let (normal, _) = self.plane(at)?;
         let tangent = self.line.tangent;

@@ -58,8 +58,8 @@ const GAP: usize = 300;
 
 /// The clips of a document: the frames of each video, with the frames in between that the document
 /// leaves out, and the images of each camera and shot in the document's order. Rejected frames
-/// and those of transitions between shots belong to none. With `within`, only frames of a video with these numbers and images at these
-/// indices count.
+/// and those of transitions between shots belong to none. With `within`, only frames of a video
+/// with these numbers and images at these indices count.
 #[must_use]
 pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -> Vec<ClipFrames> {
     type Key<'a> = (&'a CameraId, Option<&'a Clip>, Option<PathBuf>);

@@ -22,8 +22,8 @@ const MOST_OUT: f64 = 0.25;
 const LEAST_SHARE_IN_LINE: f64 = 0.7;
 const FEWEST_IN_LINE: usize = 5;
 
-/// A frame is out of line if it is farther than this from what its neighbours predict, px at 1920 px
-/// width, and farther than they are apart. Programs that calibrate frames one by one scatter by
+/// A frame is out of line if it is farther than this from what its neighbours predict, px at 1920
+/// px width, and farther than they are apart. Programs that calibrate frames one by one scatter by
 /// 10 px.
 pub(super) const OUT_OF_LINE_PX: f64 = 20.0;
 

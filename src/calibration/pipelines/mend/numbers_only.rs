@@ -5,8 +5,8 @@
 //!    which it stands, if it fits there (`by_frame.rs`); one that fits none stays as it came, as a
 //!    draft.
 //! 2. Smoothness. Only frames that follow each other in time are compared with each other
-//!    (`clips_in_time.rs`). A frame whose camera lies farther from those of its neighbours than they
-//!    lie apart loses it, the farthest first, until all agree.
+//!    (`clips_in_time.rs`). A frame whose camera lies farther from those of its neighbours than
+//!    they lie apart loses it, the farthest first, until all agree.
 //! 3. A frame between them that fits no place may be mirrored, or have been found from too narrow a
 //!    view: it joins its neighbours if it is in line with them.
 //! 4. Short gaps are interpolated.

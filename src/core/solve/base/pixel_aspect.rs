@@ -178,8 +178,8 @@ impl<'a> AspectTest<'a> {
             if has_settled || !step.is_finite() {
                 break;
             }
-            // A step back is at most half of the one before: far from the minimum the robust cost is
-            // flatter than a parabola, and a Newton step goes beyond it again and again.
+            // A step back is at most half of the one before: far from the minimum the robust cost
+            // is flatter than a parabola, and a Newton step goes beyond it again and again.
             if step * last < 0.0 {
                 longest = 0.5 * last.abs();
             }

@@ -194,8 +194,8 @@ impl Frame {
 }
 
 impl Document {
-    /// States the σ of a frame's camera that is known like four points half-way to the corners, each
-    /// to `sigma_px` (px at 1920 px width); the uncertainty of its base is added.
+    /// States the σ of a frame's camera that is known like four points half-way to the corners,
+    /// each to `sigma_px` (px at 1920 px width); the uncertainty of its base is added.
     pub fn state_uncertainty(&mut self, index: usize, sigma_px: f64) {
         let Some(frame) = self.frames.get(index) else {
             return;

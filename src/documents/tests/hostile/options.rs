@@ -130,6 +130,7 @@ fn set_reading(option: FormatOption, options: &mut ImportOptions) {
         FormatOption::Direction => {
             options.homographies.direction = Some(MatrixDirection::ImageFromPitch);
         }
+        FormatOption::StretchedFrom => options.stretched_from = Some(ImageSize::new(1000, 900)),
         FormatOption::Columns => options.homographies.matrix_column = Some("other".to_owned()),
         _ => {}
     }

@@ -110,7 +110,8 @@ impl Video {
         } else {
             picture
         };
-        // A picture of yet another size, as after a change in the middle of a stream, stays as it is.
+        // A picture of yet another size, as after a change in the middle of a stream, stays as it
+        // is.
         if self.info.size == self.stored_size || picture.size() != self.stored_size {
             return Ok(picture);
         }

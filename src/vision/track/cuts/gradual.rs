@@ -133,8 +133,8 @@ impl<'a, F: Frames> Ends<'a, F> {
             .take_while(|at| !is_abrupt(*at))
             .last()
             .unwrap_or(window.end);
-        // In a wipe the cells are counted, so that those in which both pictures are alike, and those
-        // in which they differ most, do not distort where it begins.
+        // In a wipe the cells are counted, so that those in which both pictures are alike, and
+        // those in which they differ most, do not distort where it begins.
         let is_wipe = is_wiped(
             self.frames.frame(window.start.midpoint(window.end))?,
             self.before,
@@ -205,14 +205,24 @@ fn check(frames: &impl Frames, ramp: Range<usize>, misfit: f32) -> Option<Gradua
     if off > 1.0 {
         return None;
     }
-    // The most expensive test last.
+    // The most expensive test last. A pan or a zoom that goes on changes as much in the same time
+    // before and after, so each side is compared over the length of the transition, as far as its
+    // shot goes.
     let moved = before.difference_over_zoom(after);
+    let is_abrupt = |at: usize| frames.step(at) > MOST_OF_CHANGE * change;
     let is_steady = |from: Option<&Miniature>, to: &Miniature| {
         from.is_none_or(|from| from.difference(to) <= MOST_INCOHERENT * moved)
     };
-    let earlier = last_before.checked_sub(BESIDE);
+    let length = ramp.len().max(BESIDE);
+    let earlier = (last_before.saturating_sub(length)..last_before)
+        .rev()
+        .take_while(|at| frames.frame(*at).is_some() && !is_abrupt(at + 1))
+        .last();
+    let later = (ramp.end + 1..=ramp.end + length)
+        .take_while(|at| frames.frame(*at).is_some() && !is_abrupt(*at))
+        .last();
     let is_coherent = is_steady(earlier.and_then(|at| frames.frame(at)), before)
-        && is_steady(frames.frame(ramp.end + BESIDE), after);
+        && is_steady(later.and_then(|at| frames.frame(at)), after);
     (moved >= LEAST_CHANGE && is_coherent).then(|| Gradual {
         frames: ramp,
         doubt: off + 4.0 * misfit,

@@ -117,8 +117,8 @@ impl Miniature {
         if length > 0.0 { along / length } else { 0.0 }
     }
 
-    /// The share of cells that look like `after` rather than like `before`, 0 to 1, of those in which
-    /// the two differ by more than `levels` grey levels.
+    /// The share of cells that look like `after` rather than like `before`, 0 to 1, of those in
+    /// which the two differ by more than `levels` grey levels.
     pub fn share_of_cells(&self, before: &Self, after: &Self, levels: f32) -> f32 {
         let cells = self.cells.iter().zip(&before.cells).zip(&after.cells);
         let (mut like_after, mut count) = (0, 0);

@@ -1,6 +1,6 @@
 //! Tracks cameras through the clip of the shown frame: from frames with a known camera to all
-//! others. The results are suggestions: like the forest's, they are kept apart from the users' work.
-//! What a command of the user has tracked is a step of undo.
+//! others. The results are suggestions: like the forest's, they are kept apart from the users'
+//! work. What a command of the user has tracked is a step of undo.
 //!
 //! When the user corrects and accepts one of the frames, the clip is tracked again; the points that
 //! were followed the first time are reused.

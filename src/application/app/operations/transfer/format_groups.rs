@@ -63,6 +63,7 @@ pub fn group_and_name(format: Format) -> (FormatGroup, &'static str) {
         Format::Wc14 => (G::Research, "World Cup 2014"),
         Format::TsWorldCup => (G::Research, "TS-WorldCup"),
         Format::Homography => (G::Research, "Homographies (JSON lines)"),
+        Format::Homographies => (G::Research, "Homographies of other programs (table)"),
         Format::DeepSport => (G::Research, "DeepSport"),
         Format::Fifa => (G::Research, "FIFA Skeletal Tracking"),
         Format::Colmap => (G::Research, "COLMAP"),

@@ -7,7 +7,7 @@ use touchline_documents::exchange::{ExchangeError, JoinedImport};
 
 /// Options of the command line in error messages, and their names in the dialog. Replaced in this
 /// order; of two with the same beginning the longer one must come first.
-const OPTIONS: [(&str, &str); 25] = [
+const OPTIONS: [(&str, &str); 32] = [
     (
         "give a --map file with them, or --skip-unmapped",
         "choose what labels are, or leave out others",
@@ -36,6 +36,20 @@ const OPTIONS: [(&str, &str); 25] = [
     (" (--outside keep)", ""),
     (" (--images copy)", ""),
     (" (--variant gamestate)", ""),
+    ("--points in the layout", "points in the layout"),
+    ("; files of labels are imported without --points", ""),
+    ("below --min-probability", "of a lower probability"),
+    // The dialog has no fields for these.
+    (
+        "--template centre-m, corner-m, wc14 or shuttleset",
+        "it to the command `touchline import`",
+    ),
+    (
+        "--direction pitch_from_image or image_from_pitch",
+        "it to the command `touchline import`",
+    ),
+    ("--columns h=NAME", "it to the command `touchline import`"),
+    ("--template and --direction", "plane and direction"),
 ];
 
 /// An error in one line, with the dialog's names in place of the command line's options.

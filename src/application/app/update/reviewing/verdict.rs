@@ -11,8 +11,8 @@ impl App {
     /// of its own.
     #[must_use]
     pub fn judgement(&self) -> Option<Judgement> {
-        // If the clicks contradict each other, that reason is the one to read. Numbers that were set
-        // by hand have no clicks that could.
+        // If the clicks contradict each other, that reason is the one to read. Numbers that were
+        // set by hand have no clicks that could.
         let judgement = self.current.judgement.clone();
         let is_uncertain = self.is_only_uncertain();
         if let Some(judgement) = &judgement

@@ -181,7 +181,8 @@ impl BaseProblem {
     /// Estimates the base. `document` is the one that the clicks were gathered from.
     ///
     /// # Errors
-    /// The clicks give no base, also because they are named for the wrong sides, or it was cancelled.
+    /// The clicks give no base, also because they are named for the wrong sides, or it was
+    /// cancelled.
     pub fn estimate(
         &self,
         document: &Document,

@@ -1,8 +1,8 @@
 //! The homographies of the World Cup 2014 set and of the TS-WorldCup set.
 //!
 //! Those of both sets map a pixel (with the first pixel's centre as the origin) to a template of
-//! 114.83 × 74.37 *yards* whose origin is the far left corner, y towards the camera. The sets differ
-//! in their files alone: text, and arrays of `NumPy` in a folder for each video. Source:
+//! 114.83 × 74.37 *yards* whose origin is the far left corner, y towards the camera. The sets
+//! differ in their files alone: text, and arrays of `NumPy` in a folder for each video. Source:
 //! ericsujw/KpSFR (loaders).
 
 use super::ground_homography::{corner_from, hold, inverse, matrix, normalise_homography};
