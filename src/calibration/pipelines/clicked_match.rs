@@ -163,12 +163,12 @@ fn frames_to_ask(document: &Document) -> Vec<usize> {
         }
     }
     let of_shot = MAX_ASKED.div_ceil(open.len().max(1)).max(MIN_ASKED_OF_SHOT);
-    let mut asked: Vec<usize> = open
+    let mut queried: Vec<usize> = open
         .into_values()
         .flat_map(|frames| subsample(frames, of_shot))
         .collect();
-    asked.sort_unstable();
-    asked
+    queried.sort_unstable();
+    queried
 }
 
 /// Whether a frame's camera is known, or found with certainty.

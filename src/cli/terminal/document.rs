@@ -259,7 +259,7 @@ impl Destination {
                 let location = Location::for_new_document(path)?;
                 write_document(&location, &relocate(&location)?, self.force || has_draft)?;
                 if has_draft {
-                    // The draft is nobody's earlier version. Without it there is nothing to remove.
+                    // The draft is no earlier version of a person. Without it there is nothing to remove.
                     let _ = std::fs::remove_file(location.backup());
                 }
             }

@@ -22,9 +22,9 @@
 //! 3. **Covariance**. Features in one cell of the picture share the errors of their references and
 //!    count as one: the covariance is inflated by the number of features per occupied cell of a 32
 //!    × 18 grid.
-//! 4. **Labels and base** ([`Pose::with_uncertainty`]). The steps above work in `base`, the frame
-//! of the rays. The uncertainty of the references' labels is added by `labels.rs`, that of the base
-//! by `Uncertainty`.
+//! 4. **Labels and base** ([`Pose::with_uncertainty`]). The steps above work in `base`, the frame of the
+//!    rays. The uncertainty of the references' labels is added by `labels.rs`, that of the base by
+//!    `Uncertainty`.
 //! 5. **Probability** (`confidence.rs`): an answer less probable than required is rejected with a
 //!    reason ([`NotFound`]).
 //!

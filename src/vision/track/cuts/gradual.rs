@@ -72,7 +72,7 @@ pub fn find_gradual(frames: &impl Frames, middle: usize) -> Option<Gradual> {
             return None;
         }
         let at = [middle - half / 2, middle, middle + half / 2];
-        let off = ends.mean_unexplained(at)?;
+        let off = ends.mean_mixture_error(at)?;
         (off <= 1.0).then_some((off / ends.change.sqrt(), ends))
     });
     let (_, ends) = windows.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
@@ -108,11 +108,11 @@ impl<'a, F: Frames> Ends<'a, F> {
         })
     }
 
-    /// The mean of [`unexplained`] over some frames.
-    fn mean_unexplained(&self, at: impl IntoIterator<Item = usize>) -> Option<f32> {
+    /// The mean of [`mixture_error`] over some frames.
+    fn mean_mixture_error(&self, at: impl IntoIterator<Item = usize>) -> Option<f32> {
         let (mut sum, mut count) = (0.0, 0);
         for at in at {
-            sum += unexplained(self.frames.frame(at)?, self.before, self.after);
+            sum += mixture_error(self.frames.frame(at)?, self.before, self.after);
             count += 1;
         }
         (count > 0).then(|| sum / count as f32)
@@ -173,7 +173,7 @@ impl<'a, F: Frames> Ends<'a, F> {
 
 /// How far a frame is from a mixture of two pictures or from parts of both, relative to what is
 /// allowed; at most 1 in a transition.
-fn unexplained(frame: &Miniature, before: &Miniature, after: &Miniature) -> f32 {
+fn mixture_error(frame: &Miniature, before: &Miniature, after: &Miniature) -> f32 {
     let change = before.plain_difference(after).max(f32::EPSILON);
     let share = frame.share_of(before, after).clamp(0.0, 1.0);
     let off_mixture = frame.difference_from_mixture(before, after, share) / change;
@@ -201,7 +201,7 @@ fn check(frames: &impl Frames, ramp: Range<usize>, misfit: f32) -> Option<Gradua
         return None;
     }
     let ends = Ends::new(frames, last_before..ramp.end)?;
-    let off = ends.mean_unexplained(ramp.clone())?;
+    let off = ends.mean_mixture_error(ramp.clone())?;
     if off > 1.0 {
         return None;
     }
@@ -223,7 +223,7 @@ fn check(frames: &impl Frames, ramp: Range<usize>, misfit: f32) -> Option<Gradua
         .last();
     let is_coherent = is_steady(earlier.and_then(|at| frames.frame(at)), before)
         && is_steady(later.and_then(|at| frames.frame(at)), after);
-    (moved >= LEAST_CHANGE && is_coherent).then(|| Gradual {
+    (moved >= LEAST_CHANGE && is_coherent).then_some(Gradual {
         frames: ramp,
         doubt: off + 4.0 * misfit,
     })

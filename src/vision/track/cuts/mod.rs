@@ -441,13 +441,14 @@ mod tests {
                 let flash = if is_flash { 90.0 } else { 0.0 };
                 frame(|x, y| colour(seed, x + turned, y).map(|value| value + flash))
             });
-            assert_eq!(found(frames), [17..17], "a flash of {flash_frames} frames");
+            let cut = vec![Range { start: 17, end: 17 }];
+            assert_eq!(found(frames), cut, "a flash of {flash_frames} frames");
         }
     }
 
     #[test]
     fn dissolves_and_wipes_are_found_with_their_frames() {
-        // A long dissolve from a camera that turns is found, but too short.
+        // A long dissolve from a moving camera is found, but too short.
         for (length, speed) in [(6, 0.3), (12, 0.2), (24, 0.0)] {
             let share = |at: usize| ((at as f64 - 29.0) / (length as f64 + 1.0)).clamp(0.0, 1.0);
             let dissolve = (0..90).map(|at| {
@@ -469,7 +470,8 @@ mod tests {
     #[test]
     fn a_graphic_that_sweeps_over_the_picture_is_one_transition() {
         let swept = (0..90).map(|at| {
-            let head = ((at as f64 - 29.0) / 16.0).clamp(0.0, 1.0) * 1.6 * f64::from(SIZE.width);
+            let head =
+                ((f64::from(at) - 29.0) / 16.0).clamp(0.0, 1.0) * 1.6 * f64::from(SIZE.width);
             let tail = head - 0.6 * f64::from(SIZE.width);
             frame(|x, y| match x {
                 x if x < tail => colour(2.6, x, y),

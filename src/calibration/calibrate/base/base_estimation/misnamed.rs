@@ -57,7 +57,7 @@ impl Display for Misnamed {
 impl BaseProblem {
     /// The names to change if the clicks, which gave this base or none as they are named, were
     /// named for the wrong sides.
-    pub(super) fn misnamed(
+    pub(super) fn find_misnaming(
         &self,
         document: &Document,
         as_named: Result<&EstimatedBase, &BaseEstimationError>,

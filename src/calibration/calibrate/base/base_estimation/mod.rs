@@ -190,7 +190,7 @@ impl BaseProblem {
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let found = self.estimate_as_named(document, options, progress);
-        match self.misnamed(document, found.as_ref(), options) {
+        match self.find_misnaming(document, found.as_ref(), options) {
             Some(names) => Err(BaseEstimationError::Misnamed(names)),
             None => found,
         }
