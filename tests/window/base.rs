@@ -128,6 +128,11 @@ fn two_points_close_together() -> Window {
         "{:?}",
         window.app().current().solution
     );
+    // The paint is measured beside the work, and the verdict grows with it.
+    window.wait_for(|shell| {
+        let app = shell.app();
+        !app.line_offsets(app.session.frame).is_empty()
+    });
     window
 }
 

@@ -130,7 +130,7 @@ fn it_is_available_where_a_base_is_missing_and_reports_its_progress() {
     let said = next_step(&bench.app).text;
     assert!(
         said.starts_with("Finding the camera for 5 frames, this one too. Review others meanwhile"),
-        "no click is asked for: {said}"
+        "no click is wanted: {said}"
     );
     bench.command(Command::StopFindCamera);
     assert!(search.is_cancelled() && bench.app.why_not(Command::FindCamera).is_none());

@@ -20,7 +20,7 @@
 //! | [`adopt_bases`] | check that a forest and a document have the same camera bases |
 //! | [`camera_of_size`] | the camera of a picture that says nothing but its size |
 //!
-//! Pictures and their features are in `pictures`, the forest is trained in `training` and asked in
+//! Pictures and their features are in `pictures`, the forest is trained in `training` and queried in
 //! `answers`; `label_advice` says where to label next.
 //!
 //! The trainer of the window and the command line both use this module. Nothing here starts a

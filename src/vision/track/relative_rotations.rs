@@ -320,7 +320,7 @@ mod tests {
             let off = (found.focal_px / exact.focal_px - 1.0).abs();
             assert!(off < 0.01, "{found:?} for {exact:?}");
         }
-        // About the middle of the picture, no camera that only turns explains them.
+        // About the middle of the picture, no camera that only rotates explains them.
         let without = adjust(None);
         assert!(
             matches!(&without, Err(TrackError::NotTurning { residual_px, .. }) if *residual_px > 4.0 * found.residual_px),

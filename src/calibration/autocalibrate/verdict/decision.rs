@@ -266,7 +266,7 @@ impl Decision<'_> {
         min_aligned: f64,
     ) -> Result<AutocalibrationAnswer, Stop> {
         // What the frames do not show of the field is drawn as it is recorded, and the frames are
-        // judged and answered as they lie on that field.
+        // checked and answered as they lie on that field.
         if self.field_prior.assume_open_lengths(&mut hypothesis.camera) {
             hypothesis = self.align(hypothesis)?;
         }

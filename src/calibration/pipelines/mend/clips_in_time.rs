@@ -28,7 +28,7 @@ const FEWEST_IN_LINE: usize = 5;
 pub(super) const OUT_OF_LINE_PX: f64 = 20.0;
 
 /// And by this multiple of how far the camera moves beside it, from one frame to the next: a camera
-/// that turns back has moved there before.
+/// that comes back has moved there before.
 const TIMES_STEP: f64 = 3.0;
 
 /// The frames of a run, in the order of time.

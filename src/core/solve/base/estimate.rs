@@ -214,7 +214,7 @@ pub fn estimate_base_on_paint(
         .map(|(frame, ptz)| frame_fit(&estimate.base, frame, (*ptz)?))
         .collect();
     estimate.frames = fits;
-    // Clicks show points above the ground, which say most. Where there are none, the paint is asked.
+    // Clicks show points above the ground, which say most. Where there are none, the paint decides.
     let tested = CameraClicks {
         field: &crowned,
         frames: if has_clicks(&frames) {

@@ -7,7 +7,7 @@ use touchline_documents::exchange::{ExchangeError, JoinedImport};
 
 /// Options of the command line in error messages, and their names in the dialog. Replaced in this
 /// order; of two with the same beginning the longer one must come first.
-const OPTIONS: [(&str, &str); 32] = [
+const OPTIONS: [(&str, &str); 33] = [
     (
         "give a --map file with them, or --skip-unmapped",
         "choose what labels are, or leave out others",
@@ -37,6 +37,10 @@ const OPTIONS: [(&str, &str); 32] = [
     (" (--images copy)", ""),
     (" (--variant gamestate)", ""),
     ("--points in the layout", "points in the layout"),
+    (
+        "--points PATH --layout pnlcalib",
+        "them to the command `touchline import`",
+    ),
     ("; files of labels are imported without --points", ""),
     ("below --min-probability", "of a lower probability"),
     // The dialog has no fields for these.

@@ -404,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_said_is_asked_for_and_a_damaged_row_costs_itself_alone() {
+    fn what_is_not_said_is_requested_and_a_damaged_row_costs_itself_alone() {
         let mut options = options(GroundPlan::CornerMetres, "soccer");
         assert_eq!(
             read("a.csv", SHUTTLE.as_bytes(), &options).unwrap_err(),
