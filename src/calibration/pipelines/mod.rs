@@ -26,17 +26,14 @@ pub use mend::{
     NotAligned, Outcome, Tally, mend,
 };
 pub use track_clips::TrackingEvent;
+pub use track_clips::track_clips;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    forest_labels::{
-        ForestRequest, LearntForest, PictureFiles, label_frames, learn_forest, propose_on_lines,
-    },
-    match_labels::learn_from_found,
-    mend::{
-        CameraSurvey, ImpossibleCamera, LeftFrame, MENDED, MendedNumbers, NO_PLACE, mend_numbers,
-        survey_cameras,
-    },
-    shots::{mark_shots, shot_starts},
-    track_clips::{TrackedFrames, TrackingOptions, give_first_base, track_clips},
+    forest_labels::ForestRequest, forest_labels::LearntForest, forest_labels::PictureFiles,
+    forest_labels::label_frames, forest_labels::learn_forest, forest_labels::propose_on_lines,
+    match_labels::learn_from_found, mend::CameraSurvey, mend::ImpossibleCamera, mend::LeftFrame,
+    mend::MENDED, mend::MendedNumbers, mend::NO_PLACE, mend::mend_numbers, mend::survey_cameras,
+    shots::mark_shots, shots::shot_starts, track_clips::TrackedFrames,
+    track_clips::TrackingOptions, track_clips::give_first_base,
 };

@@ -39,6 +39,8 @@ pub use answers::proposal::{Answer, NoProposal, Proposal, Timings};
 pub use answers::proposing::propose;
 pub use answers::request::FrameRequest;
 pub use answers::suggestions::{BatchId, Finder};
+pub use camera_of_size::camera_of_size;
+pub use label_advice::advice::label_advice;
 pub use pictures::batches::FrameWithFeatures;
 pub use pictures::features::{FrameFeatures, FramePictures, Resolution};
 pub use pictures::picture::PictureError;
@@ -53,20 +55,16 @@ pub use training::training_sample::{FeatureRays, TrainingSample};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    answers::expected_wrong::ExpectedWrong,
-    answers::line_evidence::LineEvidence,
-    answers::order::QueryOrder,
-    answers::tracked::{TrackedProposal, suggest_tracked_clip},
-    bases::{BaseMismatch, adopt_bases},
-    camera_of_size::{CameraOfSizeError, camera_of_size},
-    key_frames::KeyWindow,
-    label_advice::advice::{LabelAdvice, LabelNext, label_advice},
-    label_advice::coverage::{Coverage, CoverageCell},
-    label_advice::label_needs::{LabelNeeds, is_uncertain},
-    pictures::picture::{FramePicture, PictureStream, read_picture},
-    pictures::used_features::{FeatureUse, UsedFeatures},
-    training::find_burnt_in::find_burnt_in,
-    training::quality::{WRONG_PX, overlay_error_px},
-    training::suspects::{Suspect, find_suspects},
-    training::training_set::TrainingSet,
+    answers::expected_wrong::ExpectedWrong, answers::line_evidence::LineEvidence,
+    answers::order::QueryOrder, answers::tracked::TrackedProposal,
+    answers::tracked::suggest_tracked_clip, bases::BaseMismatch, bases::adopt_bases,
+    camera_of_size::CameraOfSizeError, key_frames::KeyWindow, label_advice::advice::LabelAdvice,
+    label_advice::advice::LabelNext, label_advice::coverage::Coverage,
+    label_advice::coverage::CoverageCell, label_advice::label_needs::LabelNeeds,
+    label_advice::label_needs::is_uncertain, pictures::picture::FramePicture,
+    pictures::picture::PictureStream, pictures::picture::read_picture,
+    pictures::used_features::FeatureUse, pictures::used_features::UsedFeatures,
+    training::find_burnt_in::find_burnt_in, training::quality::WRONG_PX,
+    training::quality::overlay_error_px, training::suspects::Suspect,
+    training::suspects::find_suspects, training::training_set::TrainingSet,
 };

@@ -29,19 +29,17 @@ mod view;
 pub use click_scatter::ClickScatter;
 pub use coverage::SigmaCoverage;
 
+pub use camera_error::camera_error;
 pub(crate) use distribution::chi_squared_quantile;
+pub use field_grid::field_grid;
 pub use statistics::Summary;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    camera_error::{CameraError, camera_error, horizontal_view},
-    coverage::squared_mahalanobis,
-    distribution::{median_normal_size, median_rayleigh, rayleigh_share},
-    field_grid::field_grid,
-    ground::visible_field,
-    landmarks::{LandmarkError, ground_error_m, landmark_errors},
-    marking_match::{AnnotatedLine, MarkingMatch, NamedMatch, annotated_lines},
-    overlap::{iou_part, iou_segments, iou_whole},
-    plane::PlaneView,
-    view::FieldView,
+    camera_error::CameraError, camera_error::horizontal_view, coverage::squared_mahalanobis,
+    distribution::median_normal_size, distribution::median_rayleigh, distribution::rayleigh_share,
+    ground::visible_field, landmarks::LandmarkError, landmarks::ground_error_m,
+    landmarks::landmark_errors, marking_match::AnnotatedLine, marking_match::MarkingMatch,
+    marking_match::NamedMatch, marking_match::annotated_lines, overlap::iou_part,
+    overlap::iou_segments, overlap::iou_whole, plane::PlaneView, view::FieldView,
 };

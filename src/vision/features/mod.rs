@@ -42,6 +42,7 @@ mod standing;
 mod standing_edges;
 mod standing_graphic;
 
+pub use burnt_in::burnt_in;
 pub use cache::{FeatureCache, FeatureKey};
 pub use descriptor::{DESCRIPTOR_BYTES, Descriptor};
 pub(crate) use descriptor::{MAX_MATCH_SQUARED_DISTANCE, Sketch};
@@ -54,12 +55,9 @@ pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary},
-    burnt_in::{BurntIn, BurntInGraphic, burnt_in},
-    descriptor::{DESCRIPTOR_NORM, MAX_SQUARED_DISTANCE},
-    extract::opencv_version,
-    reduced::{ReducedPicture, has_moved},
-    spread::spread,
-    standing_edges::standing_graphics,
+    binary::BinaryDescriptor, binary::BinaryFeatures, binary::BinaryKind, binary::extract_binary,
+    burnt_in::BurntIn, burnt_in::BurntInGraphic, descriptor::DESCRIPTOR_NORM,
+    descriptor::MAX_SQUARED_DISTANCE, extract::opencv_version, reduced::ReducedPicture,
+    reduced::has_moved, spread::spread, standing_edges::standing_graphics,
     standing_graphic::StaticGraphic,
 };

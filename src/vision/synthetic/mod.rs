@@ -39,17 +39,13 @@ mod text;
 mod texture;
 
 pub use options::Moment;
+pub use stadium::stadium;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    clicks::{ClickOptions, ClickTarget, SyntheticClick, generate_clicks},
-    options::{
-        CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions,
-        UnknownPreset,
-    },
-    path::{PathStep, camera_path},
-    play::Side,
-    props::Mover,
-    render::{RenderedFrame, SeenMover},
-    stadium::{Stadium, stadium},
+    clicks::ClickOptions, clicks::ClickTarget, clicks::SyntheticClick, clicks::generate_clicks,
+    options::CameraMotion, options::Daylight, options::FrameOptions, options::Graphics,
+    options::Preset, options::ShootOptions, options::StadiumOptions, options::UnknownPreset,
+    path::PathStep, path::camera_path, play::Side, props::Mover, render::RenderedFrame,
+    render::SeenMover, stadium::Stadium,
 };
