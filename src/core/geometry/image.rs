@@ -112,6 +112,15 @@ impl ImageSize {
         Some(Self::new(parse_side_px(width)?, parse_side_px(height)?))
     }
 
+    /// The factor from a picture of this size to one of the same proportions; the height may have
+    /// been rounded in either; none where the proportions differ.
+    #[must_use]
+    pub fn factor_to(self, other: Self) -> Option<f64> {
+        let factor = f64::from(other.width) / f64::from(self.width);
+        let off_px = f64::from(self.height) * factor - f64::from(other.height);
+        (off_px.abs() <= factor.max(1.0)).then_some(factor)
+    }
+
     /// The middle of the picture.
     #[must_use]
     pub fn centre(self) -> ImagePoint {

@@ -152,15 +152,8 @@ impl Format {
         given: impl IntoIterator<Item = FormatOption>,
         direction: Direction,
     ) -> Result<(), ExchangeError> {
-        let mut given = given.into_iter();
-        match given.find(|option| !self.takes(*option, direction)) {
-            None => Ok(()),
-            Some(option) => Err(ExchangeError::OptionNotTaken {
-                what: self.name().to_owned(),
-                option: option.name(),
-                takers: option.takers(direction),
-            }),
-        }
+        let is_taken = |option| self.takes(option, direction);
+        refuse_not_taken(given, is_taken, self.name(), direction)
     }
 
     /// The field that its files usually show.
@@ -189,6 +182,26 @@ impl Format {
     #[must_use]
     pub fn is_proved(self) -> bool {
         self.exports() && !matches!(self, Self::Cdf | Self::Json)
+    }
+}
+
+/// Refuses the first of some options that is not taken; `what` does not take it.
+///
+/// # Errors
+/// There is one; the formats that take it are named.
+pub(super) fn refuse_not_taken(
+    given: impl IntoIterator<Item = FormatOption>,
+    is_taken: impl Fn(FormatOption) -> bool,
+    what: &str,
+    direction: Direction,
+) -> Result<(), ExchangeError> {
+    match given.into_iter().find(|option| !is_taken(*option)) {
+        None => Ok(()),
+        Some(option) => Err(ExchangeError::OptionNotTaken {
+            what: what.to_owned(),
+            option: option.name(),
+            takers: option.takers(direction),
+        }),
     }
 }
 

@@ -2,19 +2,20 @@
 
 use crate::autocalibrate::frames::sampled_frames::spread_evenly;
 use std::collections::{BTreeMap, BTreeSet};
-use touchline_documents::document::{
-    Clip, Document, ShotContent, frames_in_transitions, shots_of_frames,
-};
+use touchline_documents::document::{Clip, Document, ShotContent, ShotKind, shots_of_frames};
 
 /// Those of some frames that may show the field of one camera: they lie in no transition between
 /// two shots, and in no shot that shows no field, unless all shots show none.
 pub fn frames_of_fields(document: &Document, frames: &[usize]) -> Vec<usize> {
-    let (inside, shots) = (frames_in_transitions(document), shots_of_frames(document));
-    let clear: Vec<usize> = frames.iter().copied().filter(|at| !inside[*at]).collect();
-    let content = |at: usize| document.shots[shots[at]?].content;
+    let shots = shots_of_frames(document);
+    let shot_of = |at: usize| shots[at].map(|shot| &document.shots[shot]);
+    let all = frames.iter().copied();
+    let clear: Vec<usize> = all
+        .filter(|at| shot_of(*at).is_none_or(|shot| shot.kind != ShotKind::Transition))
+        .collect();
     let fields = clear.iter().copied();
     let fields: Vec<usize> = fields
-        .filter(|at| content(*at) != Some(ShotContent::NoField))
+        .filter(|at| shot_of(*at).is_none_or(|shot| shot.content != Some(ShotContent::NoField)))
         .collect();
     if fields.is_empty() { clear } else { fields }
 }
@@ -45,7 +46,7 @@ pub fn spread_over_shots(document: &Document, frames: &[usize], count: usize) ->
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Frame, ShotKind, VideoFrame, VideoShots};
+    use touchline_documents::document::{Frame, VideoFrame, VideoShots};
     use touchline_documents::testing::soccer_document;
 
     /// 200 frames: a long shot, a transition, a short shot, another long one.

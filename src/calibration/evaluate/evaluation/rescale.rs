@@ -11,12 +11,7 @@ pub(super) fn rescale(
     frame: &Frame,
     size: ImageSize,
 ) -> Option<(PtzCamera, Frame)> {
-    let factor = f64::from(size.width) / f64::from(frame.image_size.width);
-    // The height may have been rounded in either picture.
-    let off_px = f64::from(frame.image_size.height) * factor - f64::from(size.height);
-    if off_px.abs() > factor.max(1.0) {
-        return None;
-    }
+    let factor = frame.image_size.factor_to(size)?;
     let (base, ptz) = (camera.base(), camera.ptz());
     let at = base.principal_point;
     // The lens is on normalised coordinates; its curve is by the focal length in the old px.

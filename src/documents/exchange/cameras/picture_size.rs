@@ -47,10 +47,8 @@ pub fn fit_to_picture(
     if is_as_it_is {
         return Some((frame.clone(), 1.0));
     }
-    let factor = f64::from(picture.width) / f64::from(stated.width);
-    // The height may have been rounded in either picture.
-    let off_px = (f64::from(stated.height) * factor - f64::from(picture.height)).abs();
-    (off_px <= factor.max(1.0)).then(|| (rescale(frame, factor, picture), factor))
+    let factor = stated.factor_to(picture)?;
+    Some((rescale(frame, factor, picture), factor))
 }
 
 /// Whether two sizes have exactly the same proportions, compared as whole numbers.

@@ -6,10 +6,11 @@ use super::scored::{ScoredCoco, ScoredTable, ScoredYolo};
 use crate::exchange::click_formats::clicked_frame::ClickFormat;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::format::Format;
-use crate::exchange::format_options::FormatOption;
+use crate::exchange::format_options::{Direction, FormatOption};
 use crate::exchange::imports::import_clicks::import_clicks;
 use crate::exchange::imports::imported::Imported;
 use crate::exchange::options::ImportOptions;
+use crate::exchange::registry::refuse_not_taken;
 use std::path::Path;
 
 /// A layout of files with points of a model.
@@ -63,15 +64,9 @@ impl PointLayout {
         given: impl IntoIterator<Item = FormatOption>,
     ) -> Result<(), ExchangeError> {
         let taken = self.reader().about().import_options;
-        let mut given = given.into_iter();
-        match given.find(|option| !taken.contains(option)) {
-            None => Ok(()),
-            Some(option) => Err(ExchangeError::OptionNotTaken {
-                what: format!("--points in the layout {}", self.name()),
-                option: option.name(),
-                takers: option.takers(crate::exchange::format_options::Direction::Import),
-            }),
-        }
+        let what = format!("--points in the layout {}", self.name());
+        let is_taken = |option| taken.contains(&option);
+        refuse_not_taken(given, is_taken, &what, Direction::Import)
     }
 }
 
