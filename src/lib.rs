@@ -40,7 +40,7 @@
 //! | `touchline-python` | the library as a Python module |
 //! | `touchline-application` | `app` (the whole application without a window), `jobs` (the only detached threads), `render` (wgpu, no egui), `scene` (what is drawn, as plain data) |
 //! | `touchline-season` | `season` (a season of matches in shards that any engine runs: plan, shard, collect) |
-//! | `touchline-calibration` | [`calibrate`] (document to solved document), [`autocalibrate`] (the base of a rotating camera from its frames alone), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`pipelines`] (whole jobs that window and command line share) |
+//! | `touchline-calibration` | [`calibrate`] (document to solved document), [`autocalibrate`] (the base of a rotating camera from its frames alone), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), `evidence` (how likely the cameras of pictures are by the paint that these show, in nats), [`pipelines`] (whole jobs that window and command line share) |
 //! | `touchline-documents` | [`document`] (typed schema, edits, history), [`store`] (where a document lives), [`exchange`] (foreign formats), `report` (tables, figures, Markdown) |
 //! | `touchline-vision` | [`media`] (frames of folders and videos), [`features`] (SIFT of a picture), [`paint`] (painted lines in pixels: the line check, snapping), [`relocalize`] (the pan-tilt forest, pose from its rays), [`track`] (frames of one camera matched to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
 //! | `touchline-core` | [`camera`], [`field`], [`markings`] (the field's lines as a camera sees them), [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`geometry`], [`files`] (opening files that may come from anybody), [`progress`] (what long functions report to, and what cancels them) |
@@ -69,6 +69,8 @@ pub mod ui;
 pub use touchline_application::render;
 #[doc(hidden)]
 pub use touchline_application::{app, jobs, scene};
+#[doc(hidden)]
+pub use touchline_calibration::evidence;
 #[doc(inline)]
 pub use touchline_calibration::{autocalibrate, calibrate, evaluate, pipelines, proposals};
 #[doc(inline)]
