@@ -140,13 +140,16 @@ fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
         messages.note(&aspect.to_string());
     }
     messages.note(&format!(
-        "{}; {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), next best answer {:.0} % of this \
-         one, paint {:.2} px off its lines, parts of the frames {:.2} m apart",
+        "{}; evidence {:.0} nats{}, {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), \
+         paint {:.2} px off its lines, parts of the frames {:.2} m apart",
         pluralise(evidence.frames, "frame"),
+        evidence.nats,
+        evidence
+            .runner_up_nats
+            .map_or_else(String::new, |nats| format!(" (next best position {nats:.0})")),
         100.0 * evidence.explained,
         100.0 * evidence.visible,
         evidence.lines.len(),
-        100.0 * evidence.rival / evidence.score(),
         evidence.residual_px,
         evidence.parts_m,
     ));

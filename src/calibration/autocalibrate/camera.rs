@@ -5,6 +5,7 @@
 use crate::autocalibrate::adjustment::candidates::{
     PosesFrom, adjust_panoramas, find_panoramas, sort_best_first,
 };
+use crate::autocalibrate::adjustment::evidence::MIN_NATS;
 use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
 use crate::autocalibrate::adjustment::joint::FirstReach;
 use crate::autocalibrate::adjustment::neighbours::try_neighbouring_distances;
@@ -19,7 +20,6 @@ use crate::autocalibrate::frames::sampled_frames::{
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::search::clicked::GroundClick;
 use crate::autocalibrate::search::places::SearchPlaces;
-use crate::autocalibrate::verdict::checks::MIN_EXPLAINED_ELSEWHERE;
 use crate::autocalibrate::verdict::decision::Decision;
 use crate::autocalibrate::verdict::wanted_clicks::wanted_clicks;
 use crate::autocalibrate::{
@@ -32,9 +32,9 @@ use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
 /// Fewer clicks on landmarks of the ground determine no pose.
 const MIN_CLICKS: usize = 2;
 
-/// Without an answer, it is tried again if the best candidate explains at least this share of the
-/// paint.
-const MIN_EXPLAINED_TO_RETRY: f64 = 0.6;
+/// Without an answer, it is tried again if this much speaks for the best candidate, nats: more for
+/// it than against it.
+const MIN_NATS_TO_RETRY: f64 = 0.0;
 
 /// Maximum number of candidates that are moved to a neighbouring minimum.
 const MAX_MOVED: usize = 2;
@@ -192,23 +192,23 @@ impl<'a> Search<'a> {
         let clicks = self.clicks_in_group(matched);
         if clicks.len() >= MIN_CLICKS {
             let origin = PosesFrom::Clicks(&clicks);
-            let answer = self.find_among(origin, 0.0, &mut Vec::new(), matched, picture);
+            let answer = self.find_among(origin, &mut Vec::new(), matched, picture);
             let Err(Stop::Abstained(_)) = answer else {
                 return answer;
             };
         }
         // The usual place first. Where it gives no answer, all other places are searched, and what
-        // they give competes with the candidates from the usual place if it explains enough.
+        // they give competes with the candidates from the usual place.
         let mut candidates = Vec::new();
-        let usual = PosesFrom::Places(&SearchPlaces::usual());
-        let answer = self.find_among(usual, 0.0, &mut candidates, matched, picture);
+        let field = &self.field_prior.assumed;
+        let usual = PosesFrom::Places(&SearchPlaces::usual(field));
+        let answer = self.find_among(usual, &mut candidates, matched, picture);
         let Err(Stop::Abstained(_)) = answer else {
             return answer;
         };
-        let others = PosesFrom::Places(&SearchPlaces::others());
+        let others = PosesFrom::Places(&SearchPlaces::others(field));
         let num_usual = candidates.len();
-        let min_explained = MIN_EXPLAINED_ELSEWHERE;
-        let elsewhere = self.find_among(others, min_explained, &mut candidates, matched, picture);
+        let elsewhere = self.find_among(others, &mut candidates, matched, picture);
         match elsewhere {
             // Nothing elsewhere: the reason is that of the usual place.
             Err(Stop::Abstained(_)) if candidates.len() == num_usual => answer,
@@ -216,8 +216,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds the candidates from `origin` that explain enough of the paint to those that there are,
-    /// and decides between all of them. Nothing fits if none is added.
+    /// Adds the candidates from `origin` to those that there are, and decides between all of them.
+    /// Nothing fits if none is added. Of places that are not the usual one, only candidates count
+    /// that may be an answer.
     ///
     /// Without an answer, the joint adjustment may have gone to a wrong minimum. So it begins once
     /// more with a narrower reach, the best candidates are moved to neighbouring minima where these
@@ -225,7 +226,6 @@ impl<'a> Search<'a> {
     fn find_among(
         &self,
         origin: PosesFrom<'_>,
-        min_explained: f64,
         candidates: &mut Vec<Hypothesis>,
         matched: &MatchedFrames,
         picture: PictureOfFrame<'_>,
@@ -244,7 +244,7 @@ impl<'a> Search<'a> {
         let placed = find_panoramas(matched, origin, prior, progress)?;
         let add = |candidates: &mut Vec<Hypothesis>, reach| -> Result<(), Stop> {
             let mut added = adjust_panoramas(&placed, reach, prior, matched, progress)?;
-            added.retain(|candidate| candidate.camera.evidence.explained >= min_explained);
+            added.retain(|candidate| num_before == 0 || candidate.nats() >= MIN_NATS);
             candidates.append(&mut added);
             sort_best_first(candidates);
             Ok(())
@@ -257,7 +257,7 @@ impl<'a> Search<'a> {
         };
         let is_hopeful = candidates
             .first()
-            .is_some_and(|best| best.camera.evidence.explained >= MIN_EXPLAINED_TO_RETRY);
+            .is_some_and(|best| best.nats() >= MIN_NATS_TO_RETRY);
         if !matches!(answer, Err(Stop::Abstained(_))) || !is_hopeful {
             return answer;
         }

@@ -31,12 +31,6 @@ pub enum Doubt {
         /// Labels of the lines.
         lines: Vec<String>,
     },
-    /// The paint is near its lines, but not on them.
-    #[error("paint lies {residual_px:.1} px off its lines")]
-    OffLines {
-        /// Median distance of the paint from its line, px at 1920 px width.
-        residual_px: f64,
-    },
     /// Parts of the frames give different positions.
     #[error("parts of the frames disagree by {parts_m:.1} m")]
     PartsDisagree {
@@ -131,7 +125,6 @@ impl Doubt {
             | Self::SizeOpen { .. }
             | Self::NotHeld => true,
             Self::Unexplained { .. }
-            | Self::OffLines { .. }
             | Self::Leans { .. }
             | Self::OtherSize { .. }
             | Self::Rival

@@ -23,9 +23,6 @@ const MIN_BACKGROUND: f64 = 0.02;
 /// The mean rate of all pictures counts as much as this number of places in each.
 const PRIOR_PLACES: f64 = 20.0;
 
-/// The share of the markings on the field that right cameras leave without a line.
-const CLUTTER: f64 = 0.1;
-
 /// A place of the ground with at least this many marking pixels in all pictures together counts
 /// whole; a person's limb on one picture does not.
 const WHOLE_CELL: f64 = 8.0;
@@ -99,16 +96,26 @@ fn log_ratio(sample: &SeenSample, background: f64) -> f64 {
     ((detected * painted + (1.0 - detected) * foreign) / foreign).ln()
 }
 
+/// The paint that no line explains, as a Poisson process over the ground: without a line anywhere
+/// all paint is clutter, with the cameras' lines only this is, and its density falls by the same
+/// share. What remains of the likelihood ratio at each of its places is the logarithm of that share.
 fn weigh_unexplained(seen: &[SeenPicture]) -> f64 {
     let mut of_cells: BTreeMap<GroundCell, Mean> = BTreeMap::new();
     for (cell, is_explained) in seen.iter().flat_map(|picture| &picture.paint) {
         let unexplained = if *is_explained { 0.0 } else { 1.0 };
         of_cells.entry(*cell).or_default().add(unexplained);
     }
-    let unexplained = of_cells
+    let weight = |cell: &Mean| (cell.count / WHOLE_CELL).min(1.0);
+    let painted: f64 = of_cells.values().map(weight).sum();
+    let unexplained: f64 = of_cells
         .values()
-        .map(|cell| cell.mean() * (cell.count / WHOLE_CELL).min(1.0));
-    unexplained.sum::<f64>() * CLUTTER.ln()
+        .map(|cell| weight(cell) * cell.mean())
+        .sum();
+    if unexplained > 0.0 {
+        unexplained * (unexplained / painted).ln()
+    } else {
+        0.0
+    }
 }
 
 /// A mean of what is added one by one.

@@ -413,10 +413,11 @@ fn over(frames: &[(usize, f64)], found: &AutocalibratedCamera) -> String {
 fn speaks(found: &AutocalibratedCamera) -> String {
     let evidence = &found.evidence;
     format!(
-        "explained {:.2}, visible {:.2}, rival {:.2}, {} lines, {:.2} px, parts {:.2} m",
+        "{:.0} nats (next {:.0}), explained {:.2}, visible {:.2}, {} lines, {:.2} px, parts {:.2} m",
+        evidence.nats,
+        evidence.runner_up_nats.unwrap_or(f64::NAN),
         evidence.explained,
         evidence.visible,
-        evidence.rival / evidence.score(),
         evidence.lines.len(),
         evidence.residual_px,
         evidence.parts_m

@@ -29,7 +29,7 @@ use crate::autocalibrate::search::focal_scales::{
 };
 use crate::autocalibrate::search::panorama_fit::{PanoramaFit, PanoramaStart, fit_panorama};
 use crate::autocalibrate::search::pitch_map::PitchMap;
-use crate::autocalibrate::search::places::SearchPlaces;
+use crate::autocalibrate::search::places::{SearchPlaces, relative_size};
 use crate::autocalibrate::search::pose_score::ScoredPose;
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
@@ -44,23 +44,20 @@ const MAX_REFINED: usize = 5;
 /// Maximum number of candidates for which neighbouring field sizes are tried.
 const MAX_RESIZED: usize = 2;
 
-/// Positions nearer to each other than this are one answer, m.
-pub const SAME_POSITION_M: f64 = 1.5;
+/// Positions nearer to each other than this are one answer, on a soccer pitch, m.
+const SAME_POSITION_M: f64 = 1.5;
 
-/// There is no runner-up if the score of the best candidate is this many times that of the next.
-pub const RUNNER_UP_RATIO: f64 = 1.35;
+/// A candidate is a runner-up if the evidence for it is less than this below that for the best,
+/// nats.
+pub const RUNNER_UP_NATS: f64 = 100.0;
 
-/// Distance between two positions of the camera, m. A field that looks the same after half a turn
-/// does so from the position opposite, too, so the nearer of both counts.
-pub fn apart_m(one_m: Vec3, other_m: Vec3, field: &FieldModel) -> f64 {
-    let direct_m = (one_m - other_m).norm();
+/// Whether two positions of the camera are one answer. A field that looks the same after half a turn
+/// does so from the position opposite, too.
+pub fn is_same_position(one_m: Vec3, other_m: Vec3, field: &FieldModel) -> bool {
+    let within_m = SAME_POSITION_M * relative_size(field);
     let opposite_m = Vec3::new(-other_m.x, -other_m.y, other_m.z);
-    let turned_m = (one_m - opposite_m).norm();
-    if turned_m < direct_m && is_symmetric_by_half_turn(field) {
-        turned_m
-    } else {
-        direct_m
-    }
+    (one_m - other_m).norm() < within_m
+        || ((one_m - opposite_m).norm() < within_m && is_symmetric_by_half_turn(field))
 }
 
 /// Whether half a turn about the middle of a field moves each of its lines onto a line.
@@ -96,7 +93,7 @@ impl PlacedPanorama {
     /// Whether it gives nearly the position of another one, which was searched on one of `fields`.
     fn is_near(&self, other: &Self, fields: &[FieldModel]) -> bool {
         let field = &fields[other.pose.scored.field];
-        apart_m(self.fit.pose.position_m, other.fit.pose.position_m, field) < SAME_POSITION_M
+        is_same_position(self.fit.pose.position_m, other.fit.pose.position_m, field)
     }
 }
 
@@ -176,7 +173,7 @@ pub fn adjust_panoramas(
 }
 
 pub fn sort_best_first(hypotheses: &mut [Hypothesis]) {
-    hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    hypotheses.sort_by(|a, b| b.nats().total_cmp(&a.nats()));
 }
 
 /// Step 1: fits the panorama at each pose that was found on some fields. Returns the best first, one
@@ -284,7 +281,7 @@ fn adjust_with_and_without_size(
 /// Fits the size once more, from the field as assumed, in place of a fit that ended at the limit of
 /// what is usual: that one was stopped on its way to a wrong minimum, most often to the boards
 /// behind the far lines, and can be no answer. None if it did not end there, or if this one does
-/// too or explains much less.
+/// too or much less speaks for it.
 fn resize_from_assumed(
     as_assumed: &Hypothesis,
     resized: &Hypothesis,
@@ -296,7 +293,7 @@ fn resize_from_assumed(
     let frames = &as_assumed.frames;
     let again = Hypothesis::adjust_repeatedly(&start, Some(field_prior), frames, matched)?;
     let is_usual = field_prior.unusual_length(&again.camera.field).is_none();
-    (is_usual && resized.score() < RUNNER_UP_RATIO * again.score()).then_some(again)
+    (is_usual && resized.nats() < again.nats() + RUNNER_UP_NATS).then_some(again)
 }
 
 /// Fits a panorama again from its own pose, starting with the field as assumed.
@@ -331,16 +328,15 @@ impl JointStart {
 
 /// Chooses between the field as assumed and the field of fitted size.
 ///
-/// Where the size is unknown, the one with the higher score. Where the document states it, the
-/// stated one; another size that is clearly better is recorded as evidence against it.
+/// Where the size is unknown, the one with more evidence. Where the document states it, the stated
+/// one; another size that is clearly better is recorded as evidence against it.
 fn choose_size(
     as_assumed: Option<Hypothesis>,
     resized: Option<Hypothesis>,
     is_known: bool,
 ) -> Option<Hypothesis> {
-    /// Two more parameters always explain a little more: 0.1 % on a real pitch of the stated size,
-    /// 2.8 % on a drawn one that is 3 m wider than stated.
-    const CLEARLY_BETTER: f64 = 1.01;
+    /// Two more parameters always explain a little more, nats.
+    const CLEARLY_BETTER_NATS: f64 = 20.0;
     /// Smaller differences from the stated size do not count, m: pitches are laid out by tape.
     const MIN_DIFFERENCE_M: f64 = 1.0;
 
@@ -348,16 +344,16 @@ fn choose_size(
         (Some(as_assumed), Some(resized)) => (as_assumed, resized),
         (as_assumed, resized) => return as_assumed.or(resized.filter(|_| !is_known)),
     };
-    // The size is unknown: the higher score wins, the fitted size if equal.
+    // The size is unknown: more evidence wins, the fitted size if equal.
     if !is_known {
-        return Some(if resized.score() >= as_assumed.score() {
+        return Some(if resized.nats() >= as_assumed.nats() {
             resized
         } else {
             as_assumed
         });
     }
     // The size is stated: keep it, but record a clearly better one.
-    if resized.score() > CLEARLY_BETTER * as_assumed.score() {
+    if resized.nats() > as_assumed.nats() + CLEARLY_BETTER_NATS {
         let (stated, other) = (&as_assumed.camera.field, &resized.camera.field);
         let difference_m = (other.length_m - stated.length_m)
             .abs()
@@ -439,7 +435,7 @@ mod tests {
         };
         let off_m = (candidate.position_m() - base().position_m).norm();
         assert!(off_m < 0.1, "{off_m:.3} m");
-        assert!(candidate.score() > 0.9, "{}", candidate.score());
+        assert!(candidate.nats() > 300.0, "{}", candidate.nats());
         assert_eq!(candidate.doubts(), []);
         let adjusting = AutocalibrationProgress::Adjusting { done: 0, of: 1 };
         assert_eq!(
@@ -504,7 +500,7 @@ mod tests {
     #[test]
     fn the_search_for_candidates_stops_when_it_is_cancelled() {
         let progress = Progress::new(|_| ControlFlow::Break(()));
-        let usual = SearchPlaces::usual();
+        let usual = SearchPlaces::usual(&known_field().assumed);
         let origin = PosesFrom::Places(&usual);
         let stopped = find_panoramas(&matched_views(), origin, &known_field(), &progress);
         assert!(matches!(
@@ -513,21 +509,19 @@ mod tests {
         ));
     }
 
-    /// The right hypothesis on a field of this length, with a score.
-    fn of_length(length_m: f64, score: f64) -> Hypothesis {
+    /// The right hypothesis on a field of this length, with evidence.
+    fn of_length(length_m: f64, nats: f64) -> Hypothesis {
         let mut hypothesis = hypothesis(&soccer().assumed);
         hypothesis.camera.field.length_m = length_m;
-        (
-            hypothesis.camera.evidence.explained,
-            hypothesis.camera.evidence.visible,
-        ) = (score, 1.0);
+        hypothesis.camera.evidence.nats = nats;
         hypothesis
     }
 
     #[test]
     fn a_stated_size_stays_and_a_better_one_is_recorded_against_it() {
         let choose = |resized: Hypothesis, is_known: bool| {
-            let chosen = choose_size(Some(of_length(105.0, 0.8)), Some(resized), is_known).unwrap();
+            let chosen =
+                choose_size(Some(of_length(105.0, 500.0)), Some(resized), is_known).unwrap();
             (
                 chosen.camera.field.length_m,
                 chosen
@@ -537,19 +531,19 @@ mod tests {
                     .map(|[length_m, _]| length_m),
             )
         };
-        assert_eq!(choose(of_length(102.0, 0.9), true), (105.0, Some(102.0)));
+        assert_eq!(choose(of_length(102.0, 600.0), true), (105.0, Some(102.0)));
         assert_eq!(
-            choose(of_length(102.0, 0.805), true),
+            choose(of_length(102.0, 505.0), true),
             (105.0, None),
             "hardly better"
         );
         assert_eq!(
-            choose(of_length(104.5, 0.9), true),
+            choose(of_length(104.5, 600.0), true),
             (105.0, None),
             "hardly another size"
         );
-        assert_eq!(choose(of_length(102.0, 0.9), false), (102.0, None));
-        assert_eq!(choose(of_length(102.0, 0.7), false), (105.0, None));
-        assert!(choose_size(None, Some(of_length(102.0, 0.9)), true).is_none());
+        assert_eq!(choose(of_length(102.0, 600.0), false), (102.0, None));
+        assert_eq!(choose(of_length(102.0, 400.0), false), (105.0, None));
+        assert!(choose_size(None, Some(of_length(102.0, 600.0)), true).is_none());
     }
 }

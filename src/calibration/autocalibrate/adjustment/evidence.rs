@@ -7,10 +7,12 @@
 use super::joint::JointAdjustment;
 use crate::autocalibrate::Doubt;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, PaintPoint};
-use crate::calibrate::AutocalibrationEvidence;
+use crate::autocalibrate::search::places::relative_size;
+use crate::calibrate::{AutocalibratedCamera, AutocalibrationEvidence};
+use crate::evidence::Evidence;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::ImageSize;
 use touchline_core::markings::{LineSample, SampleOptions, sample_lines};
@@ -31,39 +33,41 @@ const ALONG_PX: f64 = 18.0;
 const MIN_SAMPLES: f64 = 40.0;
 const MIN_OF_LINE: f64 = 0.3;
 
+/// With less evidence a base is rejected, nats.
+pub const MIN_NATS: f64 = 150.0;
+
 /// The reasons to reject a base; none for a right answer.
-pub fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -> Vec<Doubt> {
-    const MIN_EXPLAINED: f64 = 0.6;
-    const MIN_VISIBLE: f64 = 0.6;
+pub fn doubts_of(camera: &AutocalibratedCamera) -> Vec<Doubt> {
     const MIN_LINES: usize = 5;
-    const MAX_RESIDUAL_PX: f64 = 1.5;
+    /// On a soccer pitch.
     const MAX_PARTS_M: f64 = 2.0;
     // Heads are levelled to a degree or two, but a camera that is put up for one match, or held in
     // place by a clamp, leans more: a real one behind a goal is rolled by 5.3°.
     const MAX_ROLL_DEG: f64 = 6.0;
-    let roll_deg = base.angles().roll.degrees();
+    let evidence = &camera.evidence;
+    let roll_deg = camera.base.angles().roll.degrees();
     let mut doubts = Vec::new();
     let mut reject_if = |wrong: bool, doubt: Doubt| {
         if wrong {
             doubts.push(doubt);
         }
     };
+    // What keeps the evidence low is said, not the number.
+    let [explained, visible] = [evidence.explained, evidence.visible];
     reject_if(
-        evidence.explained < MIN_EXPLAINED,
-        Doubt::Unexplained {
-            share: 1.0 - evidence.explained,
-        },
-    );
-    reject_if(
-        evidence.visible < MIN_VISIBLE,
-        Doubt::Unseen {
-            share: 1.0 - evidence.visible,
-        },
-    );
-    reject_if(
-        evidence.lines.len() < MIN_LINES,
-        Doubt::FewLines {
-            lines: evidence.lines.len(),
+        evidence.nats < MIN_NATS,
+        if evidence.lines.len() < MIN_LINES {
+            Doubt::FewLines {
+                lines: evidence.lines.len(),
+            }
+        } else if explained < visible {
+            Doubt::Unexplained {
+                share: 1.0 - explained,
+            }
+        } else {
+            Doubt::Unseen {
+                share: 1.0 - visible,
+            }
         },
     );
     reject_if(
@@ -72,16 +76,11 @@ pub fn doubts_of(evidence: &AutocalibrationEvidence, base: &CameraBase) -> Vec<D
             lines: evidence.missing.clone(),
         },
     );
-    reject_if(
-        evidence.residual_px > MAX_RESIDUAL_PX,
-        Doubt::OffLines {
-            residual_px: evidence.residual_px,
-        },
-    );
     // An infinite distance means that some part of the frames gave no position at all.
     let parts_m = evidence.parts_m;
     if parts_m.is_finite() {
-        reject_if(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
+        let max_m = MAX_PARTS_M * relative_size(&camera.field);
+        reject_if(parts_m > max_m, Doubt::PartsDisagree { parts_m });
     } else {
         reject_if(
             true,
@@ -135,12 +134,13 @@ pub fn measure_evidence(
         .collect();
     AutocalibrationEvidence {
         frames: frames.len(),
+        nats: weigh(joint, marking_pixels).nats(),
         explained: share(sum(&|counts| counts.explained), sum(&|counts| counts.paint)),
         visible: share(
             counts.iter().map(|counts| counts.total().seen).sum(),
             counts.iter().map(|counts| counts.total().predicted).sum(),
         ),
-        rival: 0.0,
+        runner_up_nats: None,
         lines: lines.into_iter().map(name).collect(),
         missing: labels(field, &missing(field, &of_lines)),
         residual_px: joint.residual_px(),
@@ -148,6 +148,15 @@ pub fn measure_evidence(
         other_size_m: None,
         pixel_aspect: None,
     }
+}
+
+/// Weighs the marking pixels of all frames that have a camera.
+fn weigh(joint: &JointAdjustment, marking_pixels: &[MarkingPixels]) -> Evidence {
+    let frames = joint.ptz.iter().zip(marking_pixels);
+    let cameras: Vec<(PtzCamera, &MarkingPixels)> = frames
+        .filter_map(|(ptz, pixels)| Some((PtzCamera::new(joint.base, (*ptz)?), pixels)))
+        .collect();
+    Evidence::weigh(&joint.field, &cameras)
 }
 
 /// The lines that the cameras should show on open ground and do not, by index.

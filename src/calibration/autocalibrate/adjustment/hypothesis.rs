@@ -18,8 +18,9 @@ use touchline_core::camera::Ptz;
 use touchline_core::geometry::Vec3;
 use touchline_vision::track::{PosePrior, fill_missing_cameras};
 
-/// An adjustment replaces another one if its score is this many times higher.
-pub const MIN_GAIN: f64 = 1.01;
+/// A move of a hypothesis is taken if its evidence rises by this, nats: single stretches of lines
+/// come and go with less.
+pub const MIN_GAIN_NATS: f64 = 2.0;
 
 /// A base for the camera, and the frames around it. Frames are numbered as in [`MatchedFrames`].
 #[derive(Clone)]
@@ -72,8 +73,8 @@ impl Hypothesis {
         })
     }
 
-    /// Adjusts a base and its frames, and repeats that from the result while the score rises by
-    /// [`MIN_GAIN`].
+    /// Adjusts a base and its frames, and repeats that from the result while the evidence rises by
+    /// [`MIN_GAIN_NATS`].
     ///
     /// Paint is assigned to lines once per round, with the base of the moment. A frame that was
     /// assigned to the wrong lines, or dropped because it lay near none, gets a second chance from
@@ -88,7 +89,7 @@ impl Hypothesis {
         let mut best = Self::adjust(start, size_prior, frames, matched)?;
         for _ in 1..MAX_PASSES {
             match best.adjust_again(size_prior, matched) {
-                Some(next) if next.score() > MIN_GAIN * best.score() => best = next,
+                Some(next) if next.nats() > best.nats() + MIN_GAIN_NATS => best = next,
                 _ => break,
             }
         }
@@ -119,7 +120,7 @@ impl Hypothesis {
         for _ in 0..MAX_PASSES {
             let next = self
                 .adjust_again(Some(field_prior), matched)
-                .filter(|next| MIN_GAIN * next.score() >= self.score());
+                .filter(|next| next.nats() + MIN_GAIN_NATS >= self.nats());
             let Some(next) = next else {
                 return;
             };
@@ -131,14 +132,9 @@ impl Hypothesis {
         }
     }
 
-    /// The product of explained paint and visible lines, 0 to 1.
-    pub fn score(&self) -> f64 {
-        self.camera.evidence.score()
-    }
-
-    /// The median distance of paint from its line, px at 1920 px width.
-    pub const fn residual_px(&self) -> f64 {
-        self.camera.evidence.residual_px
+    /// How likely it is by the paint of its pictures, nats ([`crate::evidence`]).
+    pub const fn nats(&self) -> f64 {
+        self.camera.evidence.nats
     }
 
     /// The position of the camera in `world`, m.
@@ -148,7 +144,7 @@ impl Hypothesis {
 
     /// The reasons to reject it, from its evidence.
     pub fn doubts(&self) -> Vec<Doubt> {
-        doubts_of(&self.camera.evidence, &self.camera.base)
+        doubts_of(&self.camera)
     }
 
     /// The cameras of all frames: those without paint of their own are placed by their matches with

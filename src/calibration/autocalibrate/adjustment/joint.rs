@@ -10,7 +10,6 @@ use super::paint_on_lines::{LineAssignment, SIGMA_PX, distances_px, move_to_fiel
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, renumber_matches};
 use crate::autocalibrate::search::pitch_map::PitchMap;
-use crate::autocalibrate::search::pose::angular_scale;
 use crate::calibrate::{alone_sigma_m, as_paint_alone_gives};
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::field::FieldModel;
@@ -179,7 +178,7 @@ pub fn adjust_jointly(
     };
     // Seen from a low camera the lines lie close together in the picture, and the widest rounds
     // would assign paint to neighbouring lines; skip them. The start is good enough for that.
-    let of_height_px = angular_scale(start.base.position_m.z) * REACH_PX[0];
+    let of_height_px = map.angular_scale(start.base.position_m.z) * REACH_PX[0];
     let widest_px = of_height_px.min(start.reach.px());
     for (round, reach_px) in REACH_PX
         .into_iter()

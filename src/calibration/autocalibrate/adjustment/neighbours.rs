@@ -16,7 +16,7 @@
 //! of the field ([`try_neighbouring_sizes`]), and from nearer and farther away with the focal
 //! lengths that go with it ([`try_neighbouring_distances`]).
 
-use super::hypothesis::{Hypothesis, MIN_GAIN};
+use super::hypothesis::{Hypothesis, MIN_GAIN_NATS};
 use super::joint::{FirstReach, JointStart};
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, MatchedFrames};
@@ -25,8 +25,8 @@ use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 
-/// Moves a hypothesis to a neighbouring field size as long as that raises the score by
-/// [`MIN_GAIN`].
+/// Moves a hypothesis to a neighbouring field size as long as that raises the evidence by
+/// [`MIN_GAIN_NATS`].
 ///
 /// Least squares alone does not get there: while paint is assigned to the wrong lines, the size
 /// that fits best is the wrong one.
@@ -54,9 +54,9 @@ pub fn try_neighbouring_sizes(
             .collect();
         match neighbours
             .into_iter()
-            .max_by(|a, b| a.score().total_cmp(&b.score()))
+            .max_by(|a, b| a.nats().total_cmp(&b.nats()))
         {
-            Some(best) if best.score() > MIN_GAIN * hypothesis.score() => *hypothesis = best,
+            Some(best) if best.nats() > hypothesis.nats() + MIN_GAIN_NATS => *hypothesis = best,
             _ => return,
         }
     }
@@ -66,15 +66,8 @@ pub fn try_neighbouring_sizes(
 /// either side is about as far away as the neighbouring minimum of a low camera.
 const DISTANCES: [f64; 4] = [0.88, 0.94, 1.06, 1.12];
 
-/// A neighbour may explain this much less than the best of them: the evidence has tolerances within
-/// which neighbours are alike, and their residuals tell them apart.
-const MIN_SCORE: f64 = 0.98;
-
-/// A neighbour replaces a hypothesis if its median residual is this many times smaller.
-const MIN_RESIDUAL_RATIO: f64 = 1.1;
-
-/// The hypothesis in the neighbouring minimum, nearer or farther away, whose lines lie closer to
-/// the paint; none if there is no better one.
+/// The hypothesis in the neighbouring minimum, nearer or farther away, for which more evidence
+/// speaks; none if there is no better one.
 pub fn try_neighbouring_distances(
     hypothesis: &Hypothesis,
     field_prior: &FieldPrior,
@@ -83,25 +76,16 @@ pub fn try_neighbouring_distances(
     let size_prior = field_prior.is_size_unknown().then_some(field_prior);
     let present = JointStart::from_hypothesis(hypothesis, matched)?;
     let middle_m = middle_of_paint(&present, &hypothesis.frames.paint)?;
-    let mut neighbours: Vec<Hypothesis> = DISTANCES
+    let mut best = DISTANCES
         .into_par_iter()
         .filter_map(|factor| {
             let start = from_other_distance(&present, middle_m, factor);
             Hypothesis::adjust_repeatedly(&start, size_prior, &hypothesis.frames, matched)
         })
-        .collect();
-    // Of those that explain about as much as the best, the one with the smallest residual.
-    let best_score = neighbours
-        .iter()
-        .map(Hypothesis::score)
-        .fold(hypothesis.score(), f64::max);
-    neighbours.retain(|neighbour| neighbour.score() >= MIN_SCORE * best_score);
-    let mut nearest = neighbours
-        .into_iter()
-        .min_by(|a, b| a.residual_px().total_cmp(&b.residual_px()))?;
+        .max_by(|a, b| a.nats().total_cmp(&b.nats()))?;
     // What contradicts a stated size was found with both sizes, and is not measured again.
-    nearest.camera.evidence.other_size_m = hypothesis.camera.evidence.other_size_m;
-    (MIN_RESIDUAL_RATIO * nearest.residual_px() < hypothesis.residual_px()).then_some(nearest)
+    best.camera.evidence.other_size_m = hypothesis.camera.evidence.other_size_m;
+    (best.nats() > hypothesis.nats() + MIN_GAIN_NATS).then_some(best)
 }
 
 /// The camera moved towards a point or away from it by a factor on the distance, with focal lengths
@@ -146,31 +130,34 @@ fn is_on_field(at: &Vec3, field: &FieldModel) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::autocalibrate::rotating_camera::{base, hypothesis, matched_views, soccer};
+    use crate::autocalibrate::rotating_camera::{
+        base, hypothesis, matched_views, matched_views_with_pixels, soccer,
+    };
 
-    /// The right hypothesis seen from another distance, with a median residual (px).
-    fn from_distance(factor: f64, residual_px: f64) -> Hypothesis {
+    /// The right hypothesis seen from another distance, with evidence.
+    fn from_distance(factor: f64, nats: f64) -> Hypothesis {
         let mut moved = hypothesis(&soccer().assumed);
         let present = JointStart::from_hypothesis(&moved, &matched_views()).unwrap();
         let middle_m = middle_of_paint(&present, &moved.frames.paint).unwrap();
         let start = from_other_distance(&present, middle_m, factor);
         (moved.camera.base, moved.ptz) = (start.base, start.ptz);
-        moved.camera.evidence.residual_px = residual_px;
+        moved.camera.evidence.nats = nats;
         moved
     }
 
     #[test]
     fn a_camera_that_stands_too_far_away_is_brought_back() {
-        let far = from_distance(1.0 / 0.94, 1.0);
+        let far = from_distance(1.0 / 0.94, 0.0);
+        let matched = matched_views_with_pixels(&soccer().assumed, &[0, 1, 2, 3, 4, 5, 6]);
         let off_m = |of: &Hypothesis| (of.position_m() - base().position_m).norm();
         assert!(off_m(&far) > 2.0, "{:.2} m", off_m(&far));
-        let back = try_neighbouring_distances(&far, &soccer(), &matched_views()).unwrap();
+        let back = try_neighbouring_distances(&far, &soccer(), &matched).unwrap();
         assert!(off_m(&back) < 0.1, "{:.2} m", off_m(&back));
     }
 
     #[test]
     fn a_hypothesis_whose_lines_lie_on_the_paint_stays() {
-        let right = from_distance(1.0, 0.0);
+        let right = from_distance(1.0, f64::INFINITY);
         assert!(try_neighbouring_distances(&right, &soccer(), &matched_views()).is_none());
     }
 

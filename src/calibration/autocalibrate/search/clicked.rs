@@ -8,6 +8,7 @@
 //! high the middle of the field lies 4° below the horizon, and a lean of 2° halves or doubles its
 //! distance. So each pair gives a pose for each of several leans, and the paint decides.
 
+use super::places::relative_size;
 use super::pose::PanoramaPose;
 use touchline_core::field::{FieldModel, LandmarkId};
 use touchline_core::geometry::rotation::from_rotation_vector;
@@ -15,9 +16,9 @@ use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use touchline_documents::document::{Click, Frames, Target};
 use touchline_vision::track::RelativeRotations;
 
-/// Landmarks closer together than this do not determine a pose well, m.
+/// Landmarks closer together than this do not determine a pose well, on a soccer pitch, m.
 const LEAST_APART_M: f64 = 5.0;
-/// The camera is this high above the field, m.
+/// The camera is this high above the field, on a soccer pitch, m.
 const HEIGHTS_M: std::ops::RangeInclusive<f64> = 2.0..=100.0;
 /// A ray that descends by less than this share of its length is too flat to locate a ground point.
 const LEAST_FALL: f64 = 0.01;
@@ -106,7 +107,7 @@ pub fn poses_of_pairs(
         .iter()
         .filter_map(|click| LandmarkRay::from_click(click, rotations, field))
         .collect();
-    let leans = leans();
+    let (leans, relative_size) = (leans(), relative_size(field));
     // All pairs of clicks, by the distance of their landmarks. Hundreds of clicks have a hundred
     // thousand pairs, so only the first ones get their poses.
     let mut pairs: Vec<(f64, &LandmarkRay, &LandmarkRay)> = Vec::new();
@@ -116,7 +117,9 @@ pub fn poses_of_pairs(
     }
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
     let poses_by_pair = pairs.iter().map(|(_, one, other)| {
-        let poses = leans.iter().filter_map(|lean| pose_of(one, other, lean));
+        let poses = leans
+            .iter()
+            .filter_map(|lean| pose_of(one, other, lean, relative_size));
         poses.collect::<Vec<PanoramaPose>>()
     });
     poses_by_pair
@@ -147,14 +150,19 @@ fn leans() -> Vec<Mat3> {
 /// Where rays are given by their horizontal offsets r at 1 m below the camera, on a plane at depth
 /// h they are h times as far apart: h = |P₂ − P₁| / |r₂ − r₁|. The heading is the rotation between
 /// the two difference vectors, and the position follows from one of the points.
-fn pose_of(one: &LandmarkRay, other: &LandmarkRay, lean: &Mat3) -> Option<PanoramaPose> {
+fn pose_of(
+    one: &LandmarkRay,
+    other: &LandmarkRay,
+    lean: &Mat3,
+    relative_size: f64,
+) -> Option<PanoramaPose> {
     let (ray, other_ray) = (one.offset_per_m(lean)?, other.offset_per_m(lean)?);
     let (between_rays, between) = (other_ray - ray, other.at_m - one.at_m);
-    if between.norm() < LEAST_APART_M {
+    if between.norm() < LEAST_APART_M * relative_size {
         return None;
     }
     let height_m = between.norm() / between_rays.norm();
-    if !HEIGHTS_M.contains(&height_m) {
+    if !HEIGHTS_M.contains(&(height_m / relative_size)) {
         return None;
     }
     let heading =

@@ -7,7 +7,7 @@
 
 use super::pitch_map::PitchMap;
 use super::places::{HEIGHT_RATIO, SearchPlaces, TURN_STEP_DEG, X_STEP_M, Y_STEP_M};
-use super::pose::{PanoramaPose, angular_scale, fit_pose};
+use super::pose::{PanoramaPose, fit_pose};
 use super::pose_score::{
     BelowHorizon, PAINTED_DEG, ScoredPose, WIDE_DEG, mean_nearness, score_pose, score_roughly,
     sort_by_score, sum_upright_nearness, visible,
@@ -23,6 +23,11 @@ use touchline_core::geometry::{Angle, Vec3, stride_of_subsample};
 const LOOKED_AT: usize = 400;
 const FITTED: usize = 60;
 
+/// Poses nearer to each other than this are one, on a soccer pitch, m; while they are those of the
+/// grid, than the second, if their headings are alike.
+const APART_M: f64 = 3.0;
+const GRID_APART_M: f64 = 6.5;
+
 /// The number of directions that score a pose of the grid.
 const FEW_DIRECTIONS: usize = 500;
 
@@ -31,8 +36,8 @@ const FEW_DIRECTIONS: usize = 500;
 /// breadth-first preemption of Nistér, "Preemptive RANSAC", ICCV 2003.
 const PARTS: [(Range<usize>, usize); 3] = [(0..1, 3), (1..3, 4), (3..9, 1)];
 
-/// The best poses on any of several fields, the highest score first. Positions are at least 3 m
-/// apart.
+/// The best poses on any of several fields, the highest score first. Positions are at least
+/// [`APART_M`] apart.
 pub fn search(panorama: &Panorama, maps: &[PitchMap], places: &SearchPlaces) -> Vec<ScoredPose> {
     let mut found: Vec<ScoredPose> = maps
         .iter()
@@ -42,12 +47,13 @@ pub fn search(panorama: &Panorama, maps: &[PitchMap], places: &SearchPlaces) -> 
     sort_by_score(&mut found);
     // Non-maximum suppression over all fields: one position on a field of another size is the same
     // hypothesis, because the size is fitted later.
+    let apart_m = APART_M * places.relative_size();
     let mut distinct: Vec<ScoredPose> = Vec::new();
     for scored_pose in found {
         let position_m = scored_pose.pose.position_m;
         if !distinct
             .iter()
-            .any(|other| (other.pose.position_m - position_m).norm() < 3.0)
+            .any(|other| (other.pose.position_m - position_m).norm() < apart_m)
         {
             distinct.push(scored_pose);
         }
@@ -136,13 +142,13 @@ fn best_first(a: &(f64, usize), b: &(f64, usize)) -> Ordering {
 }
 
 /// The positions and headings of scored grid poses (best first) that are local maxima: of poses
-/// closer than 6.5 m and 5° only the best. At most [`LOOKED_AT`].
+/// closer than [`GRID_APART_M`] and 5° only the best. At most [`LOOKED_AT`].
 fn local_maxima(scored: &[(f64, usize)], places: &SearchPlaces) -> Vec<(Vec3, Angle)> {
     let mut chosen: Vec<(Vec3, Angle)> = Vec::new();
     for (_, index) in scored {
         let (position_m, heading) = places.at(*index);
         let is_near_better = chosen.iter().any(|(better_m, better_heading)| {
-            (better_m - position_m).norm() < 6.5
+            (better_m - position_m).norm() < GRID_APART_M * places.relative_size()
                 && (*better_heading - heading).wrap().degrees().abs() < 5.0
         });
         if !is_near_better {
@@ -199,7 +205,7 @@ fn climb(
         let mut best = score_of_climb(&pose, directions, panorama, map, scatter);
         for parameter in 0..6 {
             for sign in [-1.0, 1.0] {
-                let there = step_pose(&pose, parameter, sign * step);
+                let there = step_pose(&pose, parameter, sign * step, map.relative_size());
                 let found = score_of_climb(&there, directions, panorama, map, scatter);
                 if found > best {
                     (pose, best) = (there, found);
@@ -219,22 +225,22 @@ fn score_of_climb(
     map: &PitchMap,
     share_of_scatter: f64,
 ) -> f64 {
-    /// Spacing of the samples of the lines, m: coarser than in the final score, for speed.
+    /// Spacing of the samples of the lines on a soccer pitch, m: coarser than in the final score, for speed.
     const SPACING_M: f64 = 3.0;
     let within_deg =
-        (WIDE_DEG * share_of_scatter).max(PAINTED_DEG * angular_scale(pose.position_m.z));
+        (WIDE_DEG * share_of_scatter).max(PAINTED_DEG * map.angular_scale(pose.position_m.z));
     mean_nearness(pose, directions, map, share_of_scatter)
         * visible(pose, panorama, map, SPACING_M, within_deg)
 }
 
 /// A pose moved along one of its six parameters (position, heading, lean about x and about y) by a
 /// share of the spacing of the grid.
-fn step_pose(from: &PanoramaPose, parameter: usize, step: f64) -> PanoramaPose {
+fn step_pose(from: &PanoramaPose, parameter: usize, step: f64, relative_size: f64) -> PanoramaPose {
     /// The full step of the lean, degrees.
     const LEAN_DEG: f64 = 1.0;
     match parameter {
-        0 => from.shift_by(Vec3::x() * (step * X_STEP_M)),
-        1 => from.shift_by(Vec3::y() * (step * Y_STEP_M)),
+        0 => from.shift_by(Vec3::x() * (step * X_STEP_M * relative_size)),
+        1 => from.shift_by(Vec3::y() * (step * Y_STEP_M * relative_size)),
         2 => from.shift_by(Vec3::z() * (from.position_m.z * (HEIGHT_RATIO.powf(step) - 1.0))),
         3 => from.turn_by(Vec3::z() * f64::to_radians(step * TURN_STEP_DEG)),
         4 => from.turn_by(Vec3::x() * f64::to_radians(step * LEAN_DEG)),

@@ -6,14 +6,14 @@
 use touchline_core::field::{Curve, FieldModel};
 use touchline_core::geometry::{Vec2, Vec3};
 
-/// Side of a cell, m. The search reads cells in random order; at this size those of a whole field
+/// Side of a cell on a soccer pitch, m. The search reads cells in random order; at this size those of a whole field
 /// fit into the cache of a core.
 const CELL_M: f64 = 0.5;
 
-/// How far beyond the field the map reaches, m.
+/// How far beyond a soccer pitch the map reaches, m.
 const BEYOND_M: f64 = 12.0;
 
-/// A point this far beyond the end of a line still counts as beside it, m.
+/// A point this far beyond the end of a line still counts as beside it, on a soccer pitch, m.
 const OVERSHOOT_M: f64 = 2.0;
 
 /// Number of kinds of curves: lines along the field, lines across it, and arcs.
@@ -30,31 +30,35 @@ pub type NearOfKinds = [Option<u16>; KINDS];
 pub struct CurveGrid {
     half_length_m: f64,
     half_width_m: f64,
+    cell_m: f64,
     columns: usize,
     rows: usize,
     near: Vec<NearOfKinds>,
 }
 
 impl CurveGrid {
-    /// The grid of the painted curves of a field, each with the index of its line.
-    pub fn new(field: &FieldModel, curves: &[(usize, Curve)]) -> Self {
+    /// The grid of the painted curves of a field of some size relative to a soccer pitch, each with
+    /// the index of its line.
+    pub fn new(field: &FieldModel, curves: &[(usize, Curve)], relative_size: f64) -> Self {
+        let [cell_m, beyond_m] = [CELL_M, BEYOND_M].map(|length_m| length_m * relative_size);
         let (half_length_m, half_width_m) = (
-            field.length_m / 2.0 + BEYOND_M,
-            field.width_m / 2.0 + BEYOND_M,
+            field.length_m / 2.0 + beyond_m,
+            field.width_m / 2.0 + beyond_m,
         );
-        let columns = (2.0 * half_length_m / CELL_M).ceil() as usize;
-        let rows = (2.0 * half_width_m / CELL_M).ceil() as usize;
+        let columns = (2.0 * half_length_m / cell_m).ceil() as usize;
+        let rows = (2.0 * half_width_m / cell_m).ceil() as usize;
         // Brute force over all curves for each cell centre.
         let near = (0..columns * rows)
             .map(|cell| {
-                let x = (cell % columns) as f64 * CELL_M + CELL_M / 2.0 - half_length_m;
-                let y = (cell / columns) as f64 * CELL_M + CELL_M / 2.0 - half_width_m;
-                nearest_of(curves, Vec3::new(x, y, 0.0))
+                let x = (cell % columns) as f64 * cell_m + cell_m / 2.0 - half_length_m;
+                let y = (cell / columns) as f64 * cell_m + cell_m / 2.0 - half_width_m;
+                nearest_of(curves, Vec3::new(x, y, 0.0), relative_size)
             })
             .collect();
         Self {
             half_length_m,
             half_width_m,
+            cell_m,
             columns,
             rows,
             near,
@@ -65,8 +69,8 @@ impl CurveGrid {
     #[inline]
     pub fn near(&self, place: Vec3) -> Option<NearOfKinds> {
         let (column, row) = (
-            (place.x + self.half_length_m) / CELL_M,
-            (place.y + self.half_width_m) / CELL_M,
+            (place.x + self.half_length_m) / self.cell_m,
+            (place.y + self.half_width_m) / self.cell_m,
         );
         let inside =
             column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
@@ -74,13 +78,14 @@ impl CurveGrid {
     }
 }
 
-/// The nearest curve of each kind to a point of the flat field.
-pub fn nearest_of(curves: &[(usize, Curve)], place: Vec3) -> NearOfKinds {
+/// The nearest curve of each kind to a point of the flat field, which has some size relative to a
+/// soccer pitch.
+pub fn nearest_of(curves: &[(usize, Curve)], place: Vec3, relative_size: f64) -> NearOfKinds {
     let mut nearest: [Option<(f64, u16)>; KINDS] = [None; KINDS];
     for (number, (_, curve)) in (0_u16..).zip(curves) {
         // Of equally near curves the first stays.
         let near = &mut nearest[kind_of(curve)];
-        if let Some(distance_m) = across_m(curve, place)
+        if let Some(distance_m) = across_m(curve, place, OVERSHOOT_M * relative_size)
             && near.is_none_or(|(nearest_m, _)| distance_m < nearest_m)
         {
             *near = Some((distance_m, number));
@@ -161,15 +166,14 @@ fn direction(curve: &Curve, place: Vec3) -> Vec2 {
     along.try_normalize(0.0).unwrap_or_default()
 }
 
-/// The unsigned distance of a point across a curve, m; none more than [`OVERSHOOT_M`] beyond its
-/// ends.
-fn across_m(curve: &Curve, place: Vec3) -> Option<f64> {
+/// The unsigned distance of a point across a curve, m; none more than `overshoot_m` beyond its ends.
+fn across_m(curve: &Curve, place: Vec3, overshoot_m: f64) -> Option<f64> {
     // The offset from the nearest point is perpendicular to the curve unless that point is an end;
     // its part along the curve is then the distance beyond the end.
     let nearest = curve.point_at(nearest_parameter(curve, place));
     let off = (place - nearest).xy();
     let along = direction(curve, nearest);
-    (off.dot(&along).abs() <= OVERSHOOT_M).then(|| off.perp(&along).abs())
+    (off.dot(&along).abs() <= overshoot_m).then(|| off.perp(&along).abs())
 }
 
 /// The parameter, from 0 to 1, of the point of a curve nearest to a point of its plane.

@@ -1,8 +1,22 @@
 //! The painted lines of a field, and which of them a camera sees nearest to a ground point.
 
 use super::painted_curves::{CurveGrid, Endless, NearOfKinds, nearest_of, nearest_parameter};
+use super::places::relative_size;
 use touchline_core::field::{Crown, Curve, FieldModel};
 use touchline_core::geometry::{Vec2, Vec3};
+
+/// The height of a camera of a soccer match, m. Below it angles between distant lines shrink in
+/// proportion to the height.
+const USUAL_HEIGHT_M: f64 = 15.0;
+
+/// They are not taken as smaller than this share, however low the camera is.
+const LEAST_SHARE: f64 = 0.4;
+
+/// The factor on angular tolerances for a camera at a height (m) above a field of some size relative
+/// to a soccer pitch: 1 from the usual height on.
+pub fn angular_scale(height_m: f64, relative_size: f64) -> f64 {
+    (height_m / (USUAL_HEIGHT_M * relative_size)).clamp(LEAST_SHARE, 1.0)
+}
 
 /// The painted lines of a field. They are indexed on the flat field; the crown is added to the
 /// points that are returned.
@@ -14,6 +28,8 @@ pub struct PitchMap {
     endless: Vec<Endless>,
     /// None if each look-up goes through all curves.
     grid: Option<CurveGrid>,
+    /// By [`relative_size`].
+    relative_size: f64,
 }
 
 /// The point of a line that is nearest to a direction or a ground point, on the crowned ground.
@@ -83,7 +99,7 @@ impl PitchMap {
     /// With a grid of nearest curves, for many look-ups.
     pub fn with_grid(field: &FieldModel) -> Self {
         let mut map = Self::without_grid(field);
-        map.grid = Some(CurveGrid::new(field, &map.curves));
+        map.grid = Some(CurveGrid::new(field, &map.curves, map.relative_size));
         map
     }
 
@@ -106,7 +122,18 @@ impl PitchMap {
             curves,
             endless,
             grid: None,
+            relative_size: relative_size(field),
         }
+    }
+
+    /// The size of the field relative to a soccer pitch.
+    pub const fn relative_size(&self) -> f64 {
+        self.relative_size
+    }
+
+    /// The factor on angular tolerances for a camera at a height (m): 1 from the usual height on.
+    pub fn angular_scale(&self, height_m: f64) -> f64 {
+        angular_scale(height_m, self.relative_size)
     }
 
     /// The nearest curve of each kind to a ground point; none outside the grid, if there is one.
@@ -114,7 +141,7 @@ impl PitchMap {
     fn near(&self, place: Vec3) -> Option<NearOfKinds> {
         match &self.grid {
             Some(grid) => grid.near(place),
-            None => Some(nearest_of(&self.curves, place)),
+            None => Some(nearest_of(&self.curves, place, self.relative_size)),
         }
     }
 

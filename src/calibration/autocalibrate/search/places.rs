@@ -9,12 +9,22 @@
 //! A field looks the same after half a turn, so a camera on the other side is found as one on this
 //! side. The places cover the half y ≤ 0 alone.
 
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, Vec3};
+
+/// The size of a field relative to a soccer pitch of 105 × 68 m, by their diagonals. Lengths of the
+/// search are stated for such a pitch and multiplied by this: half as large a field looks the same
+/// from half as far away.
+pub fn relative_size(field: &FieldModel) -> f64 {
+    field.length_m.hypot(field.width_m) / 105_f64.hypot(68.0)
+}
 
 /// Places to try, in `world`.
 pub struct SearchPlaces {
     /// Positions, m.
     positions_m: Vec<Vec3>,
+    /// By [`relative_size`].
+    relative_size: f64,
 }
 
 /// Headings at each position: degrees beside the direction of the field's middle, in which a sports
@@ -23,15 +33,16 @@ const TURN_FROM_DEG: f64 = -40.0;
 pub const TURN_STEP_DEG: f64 = 2.0;
 const NUM_HEADINGS: usize = 41;
 
-/// Spacing of the usual places, m. Heights are a geometric series: errors of the height matter
+/// Spacing of the usual places on a soccer pitch, m. Heights are a geometric series: errors of the height matter
 /// relative to the height.
 pub const X_STEP_M: f64 = 4.0;
 pub const Y_STEP_M: f64 = 5.0;
 pub const HEIGHT_RATIO: f64 = 1.14;
 
 impl SearchPlaces {
-    /// The stand along one side: |x| ≤ 64 m, 40 to 110 m from the long axis, 5 to 31 m high.
-    pub fn usual() -> Self {
+    /// The stand along one side of a field, on a soccer pitch |x| ≤ 64 m, 40 to 110 m from the long
+    /// axis, 5 to 31 m high.
+    pub fn usual(field: &FieldModel) -> Self {
         let mut positions_m = Vec::new();
         for height in 0..15 {
             let z = 5.0 * HEIGHT_RATIO.powi(height);
@@ -42,18 +53,25 @@ impl SearchPlaces {
                 );
             }
         }
-        Self { positions_m }
+        Self::around(field, positions_m)
     }
 
-    /// Rings around the field, 3 to 110 m outside its border, from 2.5 to 60 m high and under at
-    /// most 60° to the border; without the usual places.
-    pub fn others() -> Self {
+    /// Rings around a field, on a soccer pitch 3 to 110 m outside its border, from 2.5 to 60 m high
+    /// and under at most 60° to the border; without the usual places. Around a court they reach
+    /// farther in proportion: a tennis camera stood 42 m outside a court 24 m long.
+    pub fn others(field: &FieldModel) -> Self {
         /// Half the length and half the width of a usual field, m. The rings are searched for
         /// every size alike.
         const HALF_FIELD_M: [f64; 2] = [52.5, 34.0];
         let mut positions_m = Vec::new();
+        const COURT: f64 = 0.5;
+        let farthest_m = if relative_size(field) < COURT {
+            200.0
+        } else {
+            110.0
+        };
         let mut outside_m = 3.0;
-        while outside_m < 110.0 {
+        while outside_m < farthest_m {
             let along_step_m = f64::clamp(0.3 * outside_m, 4.0, 8.0);
             for [x, y] in ring(HALF_FIELD_M.map(|half_m| half_m + outside_m), along_step_m) {
                 let mut z = 2.5;
@@ -69,7 +87,22 @@ impl SearchPlaces {
             }
             outside_m += f64::clamp(0.3 * outside_m, 3.0, 10.0);
         }
-        Self { positions_m }
+        Self::around(field, positions_m)
+    }
+
+    /// Places that are stated for a soccer pitch, around a field of another size.
+    fn around(field: &FieldModel, mut positions_m: Vec<Vec3>) -> Self {
+        let relative_size = relative_size(field);
+        positions_m.iter_mut().for_each(|at| *at *= relative_size);
+        Self {
+            positions_m,
+            relative_size,
+        }
+    }
+
+    /// The size of the field relative to a soccer pitch.
+    pub const fn relative_size(&self) -> f64 {
+        self.relative_size
     }
 
     /// Number of positions and headings.
@@ -106,10 +139,34 @@ fn num_steps(length_m: f64, step_m: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::autocalibrate::rotating_camera::soccer;
+    use touchline_core::field::builtin;
+
+    /// A court has a quarter of the size and is filmed from a quarter as far away.
+    #[test]
+    fn places_keep_their_proportion_to_the_field() {
+        let tennis = builtin("tennis").unwrap().default_model().unwrap();
+        let quarter = 23.77_f64.hypot(10.97) / 105_f64.hypot(68.0);
+        for of_field in [SearchPlaces::usual, SearchPlaces::others] {
+            let ((far, heading), (near, same)) = (
+                of_field(&soccer().assumed).at(1000),
+                of_field(&tennis).at(1000),
+            );
+            assert!((far * quarter - near).norm() < 1e-3, "{far:?} {near:?}");
+            assert!((heading - same).degrees().abs() < 1e-6);
+        }
+        let farthest = |of: &SearchPlaces| {
+            of.positions_m
+                .iter()
+                .map(|at| at.norm())
+                .fold(0.0, f64::max)
+        };
+        assert!(farthest(&SearchPlaces::others(&tennis)) > 42.0 + 12.0);
+    }
 
     #[test]
     fn the_usual_places_look_at_the_field_from_one_side() {
-        let places = SearchPlaces::usual();
+        let places = SearchPlaces::usual(&soccer().assumed);
         assert_eq!(places.len(), 304_425);
         let (first, heading) = places.at(0);
         assert_eq!(first, Vec3::new(-64.0, -110.0, 5.0));
@@ -123,7 +180,7 @@ mod tests {
     /// enough to converge from, relative to how far away the field is.
     #[test]
     fn every_other_place_around_the_field_is_near_one_that_is_tried() {
-        let places = SearchPlaces::others();
+        let places = SearchPlaces::others(&soccer().assumed);
         for camera in [
             Vec3::new(-70.0, -3.0, 12.0),
             Vec3::new(140.0, 0.0, 40.0),

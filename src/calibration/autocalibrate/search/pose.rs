@@ -224,21 +224,10 @@ impl Problem for UprightPoseProblem {
     }
 }
 
-/// The scale of the loss in each round, degrees, for a camera at [`USUAL_HEIGHT_M`]; paint beyond
+/// The scale of the loss in each round, degrees, for a camera at the usual height ([`PitchMap::angular_scale`]); paint beyond
 /// three times that is left out. Wider rounds would let paint of no line move low cameras away from
 /// a good start.
 const ROUNDS_DEG: [f64; 5] = [0.6, 0.6, 0.4, 0.3, 0.3];
-
-/// Below this height angles between distant lines shrink in proportion to the height of the camera,
-/// m.
-const USUAL_HEIGHT_M: f64 = 15.0;
-/// They are not taken as smaller than this share, however low the camera is.
-const LEAST_SHARE: f64 = 0.4;
-
-/// The factor on angular tolerances for a camera at a height (m): 1 from [`USUAL_HEIGHT_M`] on.
-pub fn angular_scale(height_m: f64) -> f64 {
-    (height_m / USUAL_HEIGHT_M).clamp(LEAST_SHARE, 1.0)
-}
 
 /// 1-σ of the pan axis about the vertical.
 pub const UPRIGHT_SIGMA: Angle = Angle::from_degrees(2.0);
@@ -252,7 +241,7 @@ pub fn fit_pose(
 ) -> PanoramaPose {
     let mut pose = start;
     for reach_deg in ROUNDS_DEG {
-        let sigma = angular_scale(pose.position_m.z) * reach_deg.to_radians();
+        let sigma = map.angular_scale(pose.position_m.z) * reach_deg.to_radians();
         // Assign each direction to its nearest line, and refine the pose for this assignment, with
         // the loss in units of the reach.
         let problem = UprightPoseProblem {

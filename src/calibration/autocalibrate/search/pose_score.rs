@@ -6,7 +6,7 @@
 //! narrow one.
 
 use super::pitch_map::{PitchMap, Scatter, View};
-use super::pose::{PanoramaPose, angular_scale};
+use super::pose::PanoramaPose;
 use crate::autocalibrate::frames::panorama::Panorama;
 use nalgebra::Matrix2;
 use touchline_core::geometry::{Vec2, Vec3};
@@ -47,7 +47,7 @@ const LEAN: f64 = 0.005;
 pub const WIDE_DEG: f64 = 1.2;
 
 /// A line of a fitted pose counts as visible if paint lies this near, degrees, for a camera at the
-/// usual height ([`angular_scale`]).
+/// usual height ([`PitchMap::angular_scale`]).
 pub const PAINTED_DEG: f64 = 0.3;
 
 /// Scores a pose of a grid with all directions.
@@ -71,7 +71,7 @@ pub fn score_pose(
     (field, map): (usize, &PitchMap),
 ) -> ScoredPose {
     const WITHIN_DEG: f64 = 0.25;
-    let within = angular_scale(pose.position_m.z) * WITHIN_DEG.to_radians();
+    let within = map.angular_scale(pose.position_m.z) * WITHIN_DEG.to_radians();
     let explained = panorama
         .directions
         .iter()
@@ -87,7 +87,7 @@ pub fn score_pose(
             panorama,
             map,
             1.0,
-            PAINTED_DEG * angular_scale(pose.position_m.z),
+            PAINTED_DEG * map.angular_scale(pose.position_m.z),
         ),
     }
 }
@@ -220,7 +220,7 @@ pub fn visible(
     within_deg: f64,
 ) -> f64 {
     let (mut all, mut seen) = (0.0, 0.0);
-    for sample in map.samples(spacing_m) {
+    for sample in map.samples(spacing_m * map.relative_size()) {
         let Some(direction) = pose.direction_in_panorama(sample.at) else {
             continue;
         };

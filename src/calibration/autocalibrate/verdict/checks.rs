@@ -5,7 +5,6 @@
 //! frames agree with it, whether a predicted line is missing, and whether a click contradicts it.
 
 use super::faint_lines::LinesInMean;
-use crate::autocalibrate::adjustment::evidence::missing_lines;
 use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
@@ -34,12 +33,6 @@ const MIN_LINES_IN_MEAN: usize = 6;
 /// The same before the base is refined, of the frames that it was found from: a position that is
 /// nearly right is still brought onto its lines.
 const MIN_ALIGNED_BEFORE_REFINING: f64 = 0.5;
-
-/// A camera at an unusual place has to explain this share of the paint, more than one at the usual
-/// place. On a pitch with a second, smaller one painted across it, a camera behind a goal of the
-/// smaller one explains 0.69 of the paint to a tenth of a pixel; right ones behind goals and in
-/// corners explain 0.83 and more.
-pub const MIN_EXPLAINED_ELSEWHERE: f64 = 0.75;
 
 /// With a runner-up that explains nearly as much, at least this share agrees with the answer …
 pub const MIN_ALIGNED_WITH_RUNNER_UP: f64 = 0.85;
@@ -166,15 +159,16 @@ pub fn unusual_size(camera: &AutocalibratedCamera, prior: &FieldPrior) -> Option
     })
 }
 
-/// The lines that a camera should show in its frames and no frame does, by index.
-pub fn missing_in_frames(camera: &AutocalibratedCamera, matched: &MatchedFrames) -> Vec<usize> {
-    let looking = |frame: &AutocalibratedFrame| -> Option<(PtzCamera, &MarkingPixels)> {
+/// The frames of a camera, each with the marking pixels of its picture.
+pub fn cameras_and_pictures<'a>(
+    camera: &AutocalibratedCamera,
+    matched: &'a MatchedFrames,
+) -> Vec<(PtzCamera, &'a MarkingPixels)> {
+    let looking = |frame: &AutocalibratedFrame| {
         let marking_pixels = &matched.marking_pixels[matched.number_of(frame.index)?];
         Some((PtzCamera::new(camera.base, frame.ptz), marking_pixels))
     };
-    let frames: Vec<(PtzCamera, &MarkingPixels)> =
-        camera.frames.iter().filter_map(looking).collect();
-    missing_lines(&camera.field, &frames)
+    camera.frames.iter().filter_map(looking).collect()
 }
 
 /// A click in a frame of a camera, compared with its landmark.
@@ -251,6 +245,7 @@ pub fn is_confirmed_by_clicks(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::autocalibrate::adjustment::evidence::missing_lines;
     use crate::autocalibrate::rotating_camera::{
         IMAGE_SIZE, document, hypothesis, matched_views, matched_views_with_pixels, soccer,
     };
@@ -468,18 +463,22 @@ mod tests {
         );
     }
 
+    fn missing(camera: &AutocalibratedCamera, matched: &MatchedFrames) -> Vec<usize> {
+        missing_lines(&camera.field, &cameras_and_pictures(camera, matched))
+    }
+
     #[test]
     fn nothing_is_missing_where_no_open_ground_is_seen() {
         let mut camera = hypothesis(&soccer().assumed).camera;
         camera.frames.clear();
-        assert_eq!(missing_in_frames(&camera, &matched_views()), [0; 0]);
+        assert_eq!(missing(&camera, &matched_views()), [0; 0]);
     }
 
     #[test]
     fn nothing_is_missing_in_pictures_that_show_all_lines() {
         let camera = hypothesis(&soccer().assumed).camera;
         assert_eq!(
-            missing_in_frames(
+            missing(
                 &camera,
                 &matched_views_with_pixels(&camera.field, &[0, 1, 2, 3, 4, 5, 6])
             ),
@@ -490,7 +489,7 @@ mod tests {
     #[test]
     fn lines_are_missing_in_pictures_of_bare_turf() {
         let camera = hypothesis(&soccer().assumed).camera;
-        let missing = missing_in_frames(&camera, &matched_views());
+        let missing = missing(&camera, &matched_views());
         assert!(missing.len() >= 4, "{missing:?}");
     }
 }

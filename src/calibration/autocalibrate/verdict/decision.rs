@@ -5,15 +5,15 @@
 //! has to pass the checks of `checks.rs`.
 
 use super::checks::{
-    MIN_ALIGNED, MIN_ALIGNED_WITH_RUNNER_UP, MIN_LINES_WITH_CLICKS, contradicting_click,
-    few_aligned, few_aligned_before_refining, is_confirmed_by_clicks, is_confirmed_in_mean,
-    is_refuted, missing_in_frames, open_size, uncertain, unsteady_size, unusual_size,
+    MIN_ALIGNED, MIN_ALIGNED_WITH_RUNNER_UP, MIN_LINES_WITH_CLICKS, cameras_and_pictures,
+    contradicting_click, few_aligned, few_aligned_before_refining, is_confirmed_by_clicks,
+    is_confirmed_in_mean, is_refuted, open_size, uncertain, unsteady_size, unusual_size,
 };
 use super::deciding_landmark::deciding_landmark;
 use super::faint_lines::{LinesInMean, find_lines_in_mean};
 use crate::autocalibrate::adjustment::align::align_frames;
-use crate::autocalibrate::adjustment::candidates::{RUNNER_UP_RATIO, SAME_POSITION_M, apart_m};
-use crate::autocalibrate::adjustment::evidence::labels;
+use crate::autocalibrate::adjustment::candidates::{RUNNER_UP_NATS, is_same_position};
+use crate::autocalibrate::adjustment::evidence::{labels, missing_lines};
 use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
 use crate::autocalibrate::adjustment::refine::{SearchedCamera, refine_base};
 use crate::autocalibrate::error::Stop;
@@ -23,6 +23,7 @@ use crate::autocalibrate::frames::sampled_frames::PictureOfFrame;
 use crate::autocalibrate::search::clicked::GroundClick;
 use crate::autocalibrate::{Abstention, AutocalibrationAnswer, AutocalibrationProgress, Doubt};
 use crate::calibrate::AutocalibratedCamera;
+use crate::evidence::Evidence;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::BaseOptions;
 
@@ -90,7 +91,7 @@ impl Decision<'_> {
         is_doubted: bool,
     ) -> Result<AutocalibrationAnswer, Stop> {
         let is_doubted = is_doubted || !runner_up.doubts().is_empty();
-        runner_up.camera.evidence.rival = best.score();
+        runner_up.camera.evidence.runner_up_nats = Some(best.nats());
         let runner_up = self.align(runner_up)?;
 
         // The frames' own pictures decide first. If too few of them agree with the best candidate,
@@ -122,11 +123,11 @@ impl Decision<'_> {
         let [best, runner_up] = match refined {
             // Candidates that converge to one position differed only in the size of the field.
             [Some(best), Some(runner_up)]
-                if apart_m(
+                if is_same_position(
                     best.position_m(),
                     runner_up.position_m(),
                     &best.camera.field,
-                ) < SAME_POSITION_M =>
+                ) =>
             {
                 let best = self.align(best)?;
                 return self.judge(best, MIN_ALIGNED_WITH_RUNNER_UP);
@@ -274,7 +275,9 @@ impl Decision<'_> {
         // Three checks at full resolution and two of the field; the first that fails is reported.
         // What single pictures do not confirm, clicks or the mean of all pictures may.
         let few = few_aligned(&camera, min_aligned);
-        let mut missing = missing_in_frames(&camera, self.matched);
+        let frames = cameras_and_pictures(&camera, self.matched);
+        let mut missing = missing_lines(&camera.field, &frames);
+        camera.evidence.nats = Evidence::weigh(&camera.field, &frames).nats();
         let in_mean = if few.is_some() || !missing.is_empty() {
             find_lines_in_mean(&camera, self.matched, self.picture)
         } else {
@@ -311,15 +314,14 @@ fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
     let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
     // Candidates in the position of the best are the same answer.
     let is_elsewhere = |other: &Hypothesis| {
-        let apart_m = apart_m(other.position_m(), best.position_m(), &best.camera.field);
-        apart_m > SAME_POSITION_M && other.score() > 0.0
+        !is_same_position(other.position_m(), best.position_m(), &best.camera.field)
     };
     let elsewhere: Vec<Hypothesis> = candidates.filter(is_elsewhere).collect();
-    best.camera.evidence.rival = elsewhere.first().map_or(0.0, Hypothesis::score);
+    best.camera.evidence.runner_up_nats = elsewhere.first().map(Hypothesis::nats);
     // A candidate against which there is evidence cannot question one without, and does not hide
     // the one after it.
     let is_runner_up = |other: &Hypothesis| {
-        best.score() < RUNNER_UP_RATIO * other.score()
+        best.nats() < RUNNER_UP_NATS + other.nats()
             && (other.doubts().is_empty() || !best.doubts().is_empty())
     };
     let runner_up = elsewhere.into_iter().find(is_runner_up);
@@ -333,27 +335,27 @@ mod tests {
     use touchline_core::geometry::Vec3;
 
     /// A hypothesis beside the right one, with evidence that passes all checks.
-    fn beside(x_m: f64, score: f64) -> Hypothesis {
+    fn beside(x_m: f64, nats: f64) -> Hypothesis {
         let mut hypothesis = hypothesis(&soccer().assumed);
         hypothesis.camera.base.position_m += Vec3::x() * x_m;
         let evidence = &mut hypothesis.camera.evidence;
-        (evidence.explained, evidence.visible, evidence.frames) = (score, 1.0, 7);
-        evidence.lines = ["a", "b", "c", "d", "e"].map(str::to_owned).to_vec();
+        (evidence.nats, evidence.frames) = (nats, 7);
         hypothesis
     }
 
-    /// The recorded score of the next position, and the distance of the runner-up from the best, m.
-    fn chosen(candidates: Vec<Hypothesis>) -> (f64, Option<f64>) {
+    /// The recorded evidence of the next position, and the distance of the runner-up from the best,
+    /// m.
+    fn chosen(candidates: Vec<Hypothesis>) -> (Option<f64>, Option<f64>) {
         let Choice { best, runner_up } = choose(candidates).unwrap();
         let apart_m = |other: Hypothesis| (other.position_m() - best.position_m()).norm();
-        (best.camera.evidence.rival, runner_up.map(apart_m))
+        (best.camera.evidence.runner_up_nats, runner_up.map(apart_m))
     }
 
     #[test]
     fn one_position_twice_has_no_runner_up() {
         assert_eq!(
-            chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89)]),
-            (0.0, None)
+            chosen(vec![beside(0.0, 500.0), beside(1.0, 490.0)]),
+            (None, None)
         );
     }
 
@@ -361,47 +363,50 @@ mod tests {
     /// after half a turn.
     #[test]
     fn the_position_opposite_is_no_runner_up() {
-        let opposite = |score: f64| {
-            let mut hypothesis = beside(0.0, score);
+        let opposite = |nats: f64| {
+            let mut hypothesis = beside(0.0, nats);
             let at_m = &mut hypothesis.camera.base.position_m;
             (at_m.x, at_m.y) = (-at_m.x, -at_m.y);
             hypothesis
         };
-        assert_eq!(chosen(vec![beside(0.0, 0.9), opposite(0.89)]), (0.0, None));
+        let same = chosen(vec![beside(0.0, 500.0), opposite(490.0)]);
+        assert_eq!(same, (None, None));
     }
 
     #[test]
-    fn the_runner_up_explains_nearly_as_much() {
+    fn nearly_as_much_speaks_for_the_runner_up() {
+        let [best, same] = [beside(0.0, 500.0), beside(1.0, 495.0)];
         assert_eq!(
-            chosen(vec![beside(0.0, 0.9), beside(1.0, 0.89), beside(8.0, 0.8)]),
-            (0.8, Some(8.0))
+            chosen(vec![best.clone(), same, beside(8.0, 450.0)]),
+            (Some(450.0), Some(8.0))
         );
-        let (score, runner_up) = chosen(vec![beside(0.0, 0.9), beside(8.0, 0.62)]);
         assert_eq!(
-            (score, runner_up),
-            (0.62, None),
-            "its score is recorded nevertheless"
+            chosen(vec![best, beside(8.0, 200.0)]),
+            (Some(200.0), None),
+            "its evidence is recorded nevertheless"
         );
     }
 
     #[test]
     fn a_doubtful_candidate_is_no_runner_up_to_one_without_doubts() {
-        let mut doubtful = beside(8.0, 0.85);
-        doubtful.camera.evidence.lines.clear();
+        let with_doubt = |x_m: f64, nats: f64| {
+            let mut hypothesis = beside(x_m, nats);
+            hypothesis.camera.evidence.missing = vec!["Halfway line".to_owned()];
+            hypothesis
+        };
+        let (best, doubtful) = (beside(0.0, 500.0), with_doubt(8.0, 480.0));
         assert_eq!(
-            chosen(vec![beside(0.0, 0.9), doubtful.clone()]),
-            (0.85, None)
+            chosen(vec![best.clone(), doubtful.clone()]),
+            (Some(480.0), None)
         );
         assert_eq!(
-            chosen(vec![beside(0.0, 0.9), doubtful.clone(), beside(-9.0, 0.8)]),
-            (0.85, Some(9.0)),
+            chosen(vec![best, doubtful.clone(), beside(-9.0, 450.0)]),
+            (Some(480.0), Some(9.0)),
             "nor does it hide another one"
         );
-        let mut best = beside(0.0, 0.9);
-        best.camera.evidence.lines.clear();
         assert_eq!(
-            chosen(vec![best, doubtful]),
-            (0.85, Some(8.0)),
+            chosen(vec![with_doubt(0.0, 500.0), doubtful]),
+            (Some(480.0), Some(8.0)),
             "where the best has doubts too"
         );
     }

@@ -80,12 +80,15 @@ impl AutocalibratedFrame {
 pub struct AutocalibrationEvidence {
     /// Number of frames that it was found from.
     pub frames: usize,
+    /// How likely it is by the paint of its pictures, nats: a logarithm of likelihoods, against no
+    /// line being where it has one. It rises with the number of lines that are seen.
+    pub nats: f64,
     /// Share of the persistent paint that lies on a line of the field.
     pub explained: f64,
     /// Share of the lines expected on open ground that are visible.
     pub visible: f64,
-    /// The score (`explained` × `visible`) of the runner-up.
-    pub rival: f64,
+    /// The evidence of the best other position of the camera, nats; none without another.
+    pub runner_up_nats: Option<f64>,
     /// Names of the lines of the field that are visible.
     pub lines: Vec<String>,
     /// Labels of the lines that are expected on open ground and not visible, except touchlines: the
@@ -103,12 +106,4 @@ pub struct AutocalibrationEvidence {
     /// The aspect of the pixels, if the paint shows that they are not square; the error that this
     /// gives the base is part of its sigma.
     pub pixel_aspect: Option<PixelAspect>,
-}
-
-impl AutocalibrationEvidence {
-    /// The score of the base, from 0 to 1.
-    #[must_use]
-    pub fn score(&self) -> f64 {
-        self.explained * self.visible
-    }
 }

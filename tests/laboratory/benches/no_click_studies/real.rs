@@ -117,7 +117,7 @@ impl Clicked {
         let off_m = (found.base.position_m - exact).norm();
         let says = format!(
             "{off_m:.2} m off (σ {:.2}), field {:.1} × {:.1} m, {median:.2} / {most:.2} px at {} clicks (base from clicks {clicked_median:.2} / \
-             {clicked_most:.2}), {} of {} frames, {} snapped, explained {:.2}, visible {:.2}, rival {:.2}, paint {:.2} px, parts {:.2} m, over 10 px: {far:?}",
+             {clicked_most:.2}), {} of {} frames, {} snapped, {:.0} nats (next {:.0}), explained {:.2}, visible {:.2}, paint {:.2} px, parts {:.2} m, over 10 px: {far:?}",
             found.base.sigma.position_m.norm(),
             found.field.length_m,
             found.field.width_m,
@@ -125,9 +125,10 @@ impl Clicked {
             found.frames.len(),
             self.bare.frames.len(),
             found.aligned_frame_count(),
+            found.evidence.nats,
+            found.evidence.runner_up_nats.unwrap_or(f64::NAN),
             found.evidence.explained,
             found.evidence.visible,
-            found.evidence.rival / found.evidence.score(),
             found.evidence.residual_px,
             found.evidence.parts_m,
         );

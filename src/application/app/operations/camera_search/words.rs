@@ -117,7 +117,7 @@ fn view_missing(doubts: &[Doubt]) -> String {
     // field.
     let points_to_field = doubts
         .iter()
-        .any(|doubt| matches!(doubt, Doubt::Unexplained { .. } | Doubt::OffLines { .. }));
+        .any(|doubt| matches!(doubt, Doubt::Unexplained { .. }));
     if points_to_field {
         return "Check the field's size and sport, and whether other lines are painted there; add wide frames"
             .to_owned();

@@ -26,7 +26,9 @@
 mod correspondences;
 mod parameters;
 
-use super::pose::{PanoramaPose, angular_scale};
+use super::pitch_map::angular_scale;
+use super::places::relative_size;
+use super::pose::PanoramaPose;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::FramesAtScale;
 use crate::autocalibrate::frames::rotations_by_focal_scale::{FocalScale, RotationsByFocalScale};
@@ -38,7 +40,7 @@ use touchline_core::solve::{Residual, Stopping, minimise};
 use touchline_vision::track::RelativeRotations;
 
 /// The gate of each round: paint farther than three times this from every line is left out, and the
-/// loss has this scale. Degrees, for a camera at the usual height ([`angular_scale`]).
+/// loss has this scale. Degrees, for a camera at the usual height ([`PitchMap::angular_scale`]).
 const GATES_DEG: [f64; 7] = [0.4, 0.3, 0.2, 0.15, 0.12, 0.1, 0.1];
 
 /// Paint counts as explained within this angle of a line, degrees, for a camera at the usual
@@ -150,10 +152,11 @@ fn fit_with_scale_prior(
         correspondences: Vec::new(),
         priors: priors(scale_prior, &family),
     };
+    let relative_size = relative_size(start.field);
     for gate_deg in GATES_DEG {
         // From a lower camera the lines lie nearer to each other as angles: the gate shrinks with
         // the height.
-        let gate = angular_scale(found.pose.position_m.z) * gate_deg.to_radians();
+        let gate = angular_scale(found.pose.position_m.z, relative_size) * gate_deg.to_radians();
         problem.correspondences =
             subsample_per_line(match_paint_to_lines(&found, paint, &family, gate)?);
         if problem.correspondences.len() < MIN_CORRESPONDENCES {
@@ -176,7 +179,9 @@ fn explained_share(
     paint: &PaintSamples<'_>,
     family: &FieldFamily<'_>,
 ) -> Option<f64> {
-    let within = angular_scale(at.pose.position_m.z) * EXPLAINED_DEG.to_radians();
+    let field = family.field_at(at.lengths_m, at.crown_m);
+    let scale = angular_scale(at.pose.position_m.z, relative_size(&field));
+    let within = scale * EXPLAINED_DEG.to_radians();
     // Without a gate and without the subsample per line, so that fits with different gates are
     // comparable.
     let all = match_paint_to_lines(at, paint, family, f64::INFINITY)?;
