@@ -26,7 +26,6 @@ pub struct Reporter<P, T> {
 
 impl<P, T> Reporter<P, T> {
     /// Whether the task should end early.
-    #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.mailbox.is_closing()
     }
@@ -76,7 +75,6 @@ impl<P: Send + 'static, T: Send + 'static> Background<P, T> {
     }
 
     /// Whether the last report has been polled.
-    #[must_use]
     pub const fn is_over(&self) -> bool {
         self.is_over
     }

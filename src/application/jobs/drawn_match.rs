@@ -49,7 +49,6 @@ pub struct MatchOrder {
 impl MatchOrder {
     /// The demo that comes with the program: visible lens distortion, ordinary sensor noise, frames
     /// 4.7 s apart.
-    #[must_use]
     pub fn demo() -> Self {
         let shoot = ShootOptions {
             step_s: 4.7,

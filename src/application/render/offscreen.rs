@@ -65,7 +65,6 @@ pub struct AdapterReport {
 
 impl AdapterReport {
     /// The description of a wgpu adapter.
-    #[must_use]
     pub fn from_info(info: &wgpu::AdapterInfo) -> Self {
         Self {
             name: info.name.clone(),
@@ -161,7 +160,6 @@ impl Offscreen {
     }
 
     /// The adapter that draws.
-    #[must_use]
     pub const fn adapter(&self) -> &AdapterReport {
         &self.adapter
     }

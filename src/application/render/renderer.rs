@@ -28,7 +28,6 @@ impl Renderer {
     ///
     /// `format` must be in gamma space (`Rgba8Unorm`, `Bgra8Unorm`), not an `Srgb` format: colours
     /// are written as they are stored.
-    #[must_use]
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         Self {
             pipelines: Pipelines::new(device, format),

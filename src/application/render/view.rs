@@ -18,7 +18,6 @@ pub struct View {
 
 impl View {
     /// A picture at its own size, one px of the canvas for each of its px.
-    #[must_use]
     pub const fn one_to_one(size_px: [u32; 2]) -> Self {
         Self {
             scale: 1.0,
@@ -29,7 +28,6 @@ impl View {
     }
 
     /// A picture scaled to fit the canvas, centred.
-    #[must_use]
     pub fn fit(picture_px: [u32; 2], size_px: [u32; 2]) -> Self {
         let [width, height] = picture_px.map(|side| side.max(1) as f32);
         let [canvas_width, canvas_height] = size_px.map(|side| side as f32);
@@ -47,7 +45,6 @@ impl View {
     }
 
     /// The point of the canvas for a point of the picture, physical px.
-    #[must_use]
     pub fn canvas_from_image(&self, point: [f32; 2]) -> [f32; 2] {
         [
             point[0] * self.scale + self.offset_px[0],

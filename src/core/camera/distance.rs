@@ -19,7 +19,6 @@ pub struct AngularDistance {
 
 impl AngularDistance {
     /// From one camera to another.
-    #[must_use]
     pub fn between(one: &Ptz, other: &Ptz) -> Self {
         // A rotation about the vertical moves the optical axis by the cosine of its tilt.
         let pan = one.pan.turn_from(other.pan).radians() * one.tilt.radians().cos();
@@ -33,7 +32,6 @@ impl AngularDistance {
 
     /// About how far points of the picture move from the first camera, of focal length `focal_px`,
     /// to the second, px: by the turn in the middle, or by the zoom at the left and right border.
-    #[must_use]
     pub fn in_image_px(&self, focal_px: f64, image_size: ImageSize) -> f64 {
         let turned_px = self.turn.radians() * focal_px;
         let zoomed_px = 0.5 * f64::from(image_size.width) * self.log_zoom.abs();

@@ -50,7 +50,6 @@ pub struct Ptz {
 
 impl Ptz {
     /// From degrees and px.
-    #[must_use]
     pub const fn from_degrees(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> Self {
         Self {
             pan: Angle::from_degrees(pan_deg),
@@ -60,7 +59,6 @@ impl Ptz {
     }
 
     /// Whether all three are finite and the focal length is positive.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         self.pan.is_finite()
             && self.tilt.is_finite()
@@ -70,7 +68,6 @@ impl Ptz {
 
     /// `Q_tilt` · `Q_pan`: the rotation from the frame in which pan and tilt are given, `base` as a
     /// rule, to `cam`.
-    #[must_use]
     pub fn cam_from_base(&self) -> Mat3 {
         q_tilt(self.tilt) * q_pan(self.pan)
     }

@@ -39,7 +39,6 @@ pub struct PtzCamera {
 impl PtzCamera {
     /// The camera with a base and pan, tilt and focal length; the lens is that of the base's curve
     /// at this focal length.
-    #[must_use]
     pub fn new(base: CameraBase, ptz: Ptz) -> Self {
         let cam_from_base = ptz.cam_from_base();
         let cam_from_world = cam_from_base * base.base_from_world;
@@ -72,43 +71,36 @@ impl PtzCamera {
     }
 
     /// The base.
-    #[must_use]
     pub const fn base(&self) -> &CameraBase {
         &self.base
     }
 
     /// Pan, tilt and focal length.
-    #[must_use]
     pub const fn ptz(&self) -> Ptz {
         self.ptz
     }
 
     /// The radial distortion in use.
-    #[must_use]
     pub const fn lens(&self) -> Radial {
         self.lens
     }
 
     /// Its first coefficient.
-    #[must_use]
     pub const fn k1(&self) -> f64 {
         self.lens.k1
     }
 
     /// `Q_tilt` · `Q_pan`.
-    #[must_use]
     pub const fn cam_from_base(&self) -> &Mat3 {
         &self.cam_from_base
     }
 
     /// `Q_tilt` · `Q_pan` · `base_from_world`.
-    #[must_use]
     pub const fn cam_from_world(&self) -> Mat3 {
         self.cam_from_world
     }
 
     /// A world point in `cam`, m.
-    #[must_use]
     pub fn cam_from_world_point(&self, point_in_world: Vec3) -> Vec3 {
         self.cam_from_base * self.base.base_from_world_point(point_in_world)
     }
@@ -149,7 +141,6 @@ impl PtzCamera {
 
     /// The ideal radius on the plane z = 1 of `cam` beyond which the distortion model folds and
     /// nothing has an image; infinite where it does not fold.
-    #[must_use]
     pub fn fold_radius(&self) -> f64 {
         self.lens.fold_radius_squared().sqrt()
     }
@@ -210,7 +201,6 @@ impl PtzCamera {
 
     /// The intersection of the ray of an image point with the plane z = `height_m`, `world`, m;
     /// none where the ray does not meet it in front of the camera.
-    #[must_use]
     pub fn plane_from_image(&self, point: ImagePoint, height_m: f64) -> Option<Vec3> {
         // A ray parallel to the plane has an infinite distance, one that points away a negative
         // one.

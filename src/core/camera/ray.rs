@@ -18,7 +18,6 @@ pub struct PanTilt {
 
 impl PanTilt {
     /// From degrees.
-    #[must_use]
     pub const fn from_degrees(pan_deg: f64, tilt_deg: f64) -> Self {
         Self {
             pan: Angle::from_degrees(pan_deg),
@@ -28,7 +27,6 @@ impl PanTilt {
 
     /// The angles of a direction in `base` (any length but zero): α = atan2(x, z), β = atan2(−y,
     /// hypot(x, z)).
-    #[must_use]
     pub fn from_direction(direction_in_base: Vec3) -> Self {
         let d = direction_in_base;
         Self {
@@ -38,7 +36,6 @@ impl PanTilt {
     }
 
     /// The unit direction in `base`.
-    #[must_use]
     pub fn direction(self) -> Vec3 {
         let (sin_pan, cos_pan) = self.pan.sin_cos();
         let (sin_tilt, cos_tilt) = self.tilt.sin_cos();
@@ -46,7 +43,6 @@ impl PanTilt {
     }
 
     /// The angle between two rays.
-    #[must_use]
     pub fn angle_to(self, other: Self) -> Angle {
         angle_between_directions(&self.direction(), &other.direction())
     }

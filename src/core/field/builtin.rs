@@ -14,7 +14,6 @@ static TEMPLATES: LazyLock<Vec<Result<Template, FieldError>>> = LazyLock::new(||
 });
 
 /// The names of the built-in templates, in the order in which they are listed.
-#[must_use]
 pub fn builtin_names() -> Vec<&'static str> {
     FIELDS.iter().map(|(name, _)| *name).collect()
 }

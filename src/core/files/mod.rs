@@ -38,7 +38,6 @@ use std::io::{Error, ErrorKind};
 use std::path::Path;
 
 /// The folder that a path lies in.
-#[must_use]
 #[doc(hidden)]
 pub fn folder_of(path: &Path) -> &Path {
     // The parent of a bare name is the empty path, which no system call accepts.
@@ -48,7 +47,6 @@ pub fn folder_of(path: &Path) -> &Path {
 }
 
 /// The remedy at the end of a message about a failed write; empty if the system's reason suffices.
-#[must_use]
 #[doc(hidden)]
 pub fn way_out(error: &Error) -> &'static str {
     match error.kind() {

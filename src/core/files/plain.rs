@@ -1,7 +1,6 @@
 //! Untrusted names and texts in messages.
 
 /// A text without control characters, and without characters that change the writing direction.
-#[must_use]
 pub fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -15,7 +14,6 @@ pub fn plain(text: &str) -> String {
 }
 
 /// Whether a terminal or a text view obeys a character instead of showing it.
-#[must_use]
 pub fn is_control(letter: char) -> bool {
     // Beside the control characters: the marks, embeddings, overrides and isolates of Unicode's
     // bidirectional algorithm (UAX 9), characters of zero width, line and paragraph separators.

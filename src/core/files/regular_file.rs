@@ -24,7 +24,6 @@ pub struct WrongKind {
 
 impl WrongKind {
     /// The inner error of an I/O error, if it is this one.
-    #[must_use]
     pub fn behind(error: &io::Error) -> Option<&Self> {
         error.get_ref()?.downcast_ref()
     }

@@ -7,7 +7,6 @@ use std::f64::consts::TAU;
 /// The 1-σ ellipse of a covariance as offsets from its centre, in the unit of the covariance's
 /// root: `corners` points, evenly spread in the angle of the unit circle that the ellipse is the
 /// image of. Where rounding left a variance below zero it counts as zero.
-#[must_use]
 pub fn covariance_ellipse(covariance: Matrix2<f64>, corners: u32) -> Vec<Vec2> {
     // C = V diag(λ) Vᵀ, so V diag(√λ) takes the unit circle to the 1-σ ellipse.
     let axes = SymmetricEigen::new(covariance);

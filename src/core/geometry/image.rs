@@ -15,13 +15,11 @@ pub struct ImagePoint {
 
 impl ImagePoint {
     /// A point from its coordinates in px.
-    #[must_use]
     pub const fn new(x: f64, y: f64) -> Self {
         Self { x, y }
     }
 
     /// The vector from `origin` to this point, px.
-    #[must_use]
     pub fn offset_from(self, origin: Self) -> Vec2 {
         Vec2::new(self.x - origin.x, self.y - origin.y)
     }
@@ -33,13 +31,11 @@ impl ImagePoint {
     }
 
     /// The distance to another point, px.
-    #[must_use]
     pub fn distance_px(self, other: Self) -> f64 {
         (self.x - other.x).hypot(self.y - other.y)
     }
 
     /// Whether both coordinates are finite.
-    #[must_use]
     pub const fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite()
     }
@@ -82,7 +78,6 @@ impl ImageSize {
     }
 
     /// The centre of one cell of such a grid, px.
-    #[must_use]
     pub fn cell_centre(self, [column, row]: [u32; 2], [columns, rows]: [u32; 2]) -> ImagePoint {
         ImagePoint::new(
             cell_centre_px(column, columns, self.width),
@@ -94,19 +89,16 @@ impl ImageSize {
     pub const MAX_SIDE_PX: u32 = 65_535;
 
     /// A size from its columns and rows.
-    #[must_use]
     pub const fn new(width: u32, height: u32) -> Self {
         Self { width, height }
     }
 
     /// Whether this is a valid width or height of a picture, px.
-    #[must_use]
     pub fn is_side_px(value: f64) -> bool {
         (1.0..=f64::from(Self::MAX_SIDE_PX)).contains(&value)
     }
 
     /// Reads `1920x1080` or `1920 × 1080`; none where that is no size of a picture.
-    #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (width, height) = text.split_once(['x', '×'])?;
         Some(Self::new(parse_side_px(width)?, parse_side_px(height)?))
@@ -114,7 +106,6 @@ impl ImageSize {
 
     /// The factor from a picture of this size to one of the same proportions; the height may have
     /// been rounded in either; none where the proportions differ.
-    #[must_use]
     pub fn factor_to(self, other: Self) -> Option<f64> {
         let factor = f64::from(other.width) / f64::from(self.width);
         let off_px = f64::from(self.height) * factor - f64::from(other.height);
@@ -122,13 +113,11 @@ impl ImageSize {
     }
 
     /// The middle of the picture.
-    #[must_use]
     pub fn centre(self) -> ImagePoint {
         ImagePoint::new(f64::from(self.width) / 2.0, f64::from(self.height) / 2.0)
     }
 
     /// The four corners, clockwise from the top left.
-    #[must_use]
     pub fn corners(self) -> [ImagePoint; 4] {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         [
@@ -140,7 +129,6 @@ impl ImageSize {
     }
 
     /// Whether a point lies in the picture, its border included.
-    #[must_use]
     pub fn contains(self, point: ImagePoint) -> bool {
         point.x >= 0.0
             && point.y >= 0.0
@@ -151,13 +139,11 @@ impl ImageSize {
     /// The width of the 16:9 picture that this one fits into, px. A picture that is narrower was cut
     /// from a wider one, or taken by a camera that was turned: its pixels are as fine as those of a
     /// 16:9 picture of its height, so tolerances and priors in px refer to that.
-    #[must_use]
     pub fn reference_width_px(self) -> f64 {
         f64::from(self.width).max(f64::from(self.height) * 16.0 / 9.0)
     }
 
     /// The factor from px of a 16:9 picture 1920 px wide to px of this picture.
-    #[must_use]
     pub fn scale_from_1920(self) -> f64 {
         self.reference_width_px() / 1920.0
     }
@@ -191,7 +177,6 @@ pub struct PixelBox {
 
 impl PixelBox {
     /// Whether a point lies in the box, its left and top border included.
-    #[must_use]
     pub fn contains(&self, point: ImagePoint) -> bool {
         point.x >= self.x
             && point.y >= self.y
@@ -211,7 +196,6 @@ impl PixelBox {
     }
 
     /// Its middle.
-    #[must_use]
     pub const fn centre(&self) -> ImagePoint {
         ImagePoint::new(self.x + self.width / 2.0, self.y + self.height / 2.0)
     }

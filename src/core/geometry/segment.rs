@@ -5,7 +5,6 @@ use nalgebra::SVector;
 
 /// The distance of a point from the segment between two ends, in any number of dimensions; a
 /// segment of zero length is a point.
-#[must_use]
 pub fn distance_from_segment<const D: usize>(
     point: SVector<f64, D>,
     [from, to]: [SVector<f64, D>; 2],
@@ -28,7 +27,6 @@ fn share_along<const D: usize>(offset: SVector<f64, D>, along: SVector<f64, D>) 
 
 impl ImagePoint {
     /// The distance from the segment between two points, px.
-    #[must_use]
     pub fn distance_from_segment_px(self, from: Self, to: Self) -> f64 {
         distance_from_segment(
             self.offset_from(from),
@@ -37,7 +35,6 @@ impl ImagePoint {
     }
 
     /// The distance from a polyline, px; infinite if that has fewer than two points.
-    #[must_use]
     pub fn distance_from_polyline_px(self, polyline: &[Self]) -> f64 {
         polyline
             .windows(2)

@@ -15,7 +15,6 @@ pub struct ProjectedLandmark {
 
 /// Projects all landmarks that lie within the picture enlarged by a margin, px, in the field's
 /// order.
-#[must_use]
 pub fn project_landmarks(
     field: &FieldModel,
     camera: &PtzCamera,

@@ -39,7 +39,6 @@ pub struct MarkingPolyline {
 ///
 /// All points are finite and within the picture and its margin. A camera with NaN or infinite
 /// parameters sees nothing.
-#[must_use]
 pub fn project_lines(
     field: &FieldModel,
     camera: &PtzCamera,

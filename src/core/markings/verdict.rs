@@ -20,7 +20,6 @@ pub enum LineVerdict {
 impl LineVerdict {
     /// The verdict from a score (the probability, by the paint alone, that the camera is right) and
     /// the number of unoccluded line samples.
-    #[must_use]
     pub fn from_score(score: f64, open: usize) -> Self {
         // A score of NaN reaches the last arm: it says nothing.
         match score {

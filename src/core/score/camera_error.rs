@@ -27,7 +27,6 @@ pub struct CameraError {
 }
 
 /// Compares an estimated camera with the true one. Both must refer to pictures of the same size.
-#[must_use]
 pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
     // The optical axis of a camera in `world` is Rᵀ e_z. Both axes are expressed in the truth's
     // base.
@@ -50,7 +49,6 @@ pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
 
 /// The horizontal field of view of a picture, for a pinhole camera with the principal point in the
 /// middle.
-#[must_use]
 pub fn horizontal_view(focal_px: f64, image_size: ImageSize) -> Angle {
     Angle::from_radians(2.0 * (0.5 * f64::from(image_size.width)).atan2(focal_px))
 }

@@ -9,7 +9,6 @@ const ONE_SIGMA: f64 = 0.682_689_492_137_086;
 
 /// The squared Mahalanobis distance of an error, eᵀ Σ⁻¹ e. Its mean is 3 if Σ is right. None if the
 /// covariance cannot be inverted.
-#[must_use]
 pub fn squared_mahalanobis(error: Vec3, covariance: &Mat3) -> Option<f64> {
     // Scale to unit variances first: degrees and px in one matrix make it badly conditioned.
     let sigmas = covariance.diagonal().map(f64::sqrt);
@@ -37,7 +36,6 @@ pub struct SigmaCoverage {
 
 impl SigmaCoverage {
     /// Computes the coverage from squared Mahalanobis distances. None without any.
-    #[must_use]
     pub fn from_squared_distances(squared_mahalanobis: &[f64]) -> Option<Self> {
         let count = squared_mahalanobis.len();
         (count > 0).then(|| Self {

@@ -3,20 +3,17 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 /// A quantile of the χ² distribution; NaN if the number of degrees of freedom is not positive.
-#[must_use]
 pub fn chi_squared_quantile(freedom: f64, share: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |chi_squared| chi_squared.inverse_cdf(share))
 }
 
 /// The median of |d| for a normal variable d, in σ.
-#[must_use]
 pub fn median_normal_size() -> f64 {
     Normal::standard().inverse_cdf(0.75)
 }
 
 /// The median distance of a point if both of its coordinates have the same normal noise (Rayleigh
 /// distribution), in σ of one coordinate.
-#[must_use]
 pub fn median_rayleigh() -> f64 {
     // The squared distance is χ² with two degrees of freedom, and that has the median 2 ln 2.
     (2.0 * std::f64::consts::LN_2).sqrt()
@@ -24,7 +21,6 @@ pub fn median_rayleigh() -> f64 {
 
 /// The probability that a point with the same normal noise in both coordinates lies within a
 /// distance, in σ of one coordinate.
-#[must_use]
 pub fn rayleigh_share(distance_sigmas: f64) -> f64 {
     ChiSquared::new(2.0).map_or(f64::NAN, |squared| {
         squared.cdf(distance_sigmas * distance_sigmas)

@@ -22,7 +22,6 @@ pub struct LandmarkError {
 
 /// The errors of all landmarks that the true camera sees and that both fields have, in the true
 /// field's order.
-#[must_use]
 pub fn landmark_errors(
     truth: FieldView,
     estimate: FieldView,
@@ -58,7 +57,6 @@ pub fn landmark_errors(
 
 /// Distance, m, between a ground point and the point of the same height that a camera sees at
 /// `image`. None if the camera sees no ground there.
-#[must_use]
 pub fn ground_error_m(camera: &PtzCamera, image: ImagePoint, at: Vec3) -> Option<f64> {
     camera
         .plane_from_image(image, at.z)

@@ -46,7 +46,6 @@ pub struct Summary {
 impl Summary {
     /// Summarises values; none without any. Values that are not finite count as infinitely large,
     /// so that a failure never improves a summary. The same seed gives the same intervals.
-    #[must_use]
     pub fn from_values(values: &[f64], seed: u64) -> Option<Self> {
         if values.is_empty() {
             return None;

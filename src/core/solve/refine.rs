@@ -31,7 +31,6 @@ pub struct Refined {
 
 /// Refines pan, tilt and focal length over all given observations. Held-out ones are not skipped;
 /// the caller removes them.
-#[must_use]
 pub fn refine(
     base: &CameraBase,
     start: Ptz,
@@ -44,7 +43,6 @@ pub fn refine(
 
 /// [`refine`], ended by the first step (rad, rad, log f) shorter than `enough`. Under a robust loss
 /// the convergence is linear, so the last digits take most of the steps.
-#[must_use]
 pub fn refine_until(
     base: &CameraBase,
     start: Ptz,

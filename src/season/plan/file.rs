@@ -95,7 +95,6 @@ pub struct ShardOfPlan<'a> {
 
 impl ShardOfPlan<'_> {
     /// The shard in words, for messages: `north-south, frames 0 to 1499`.
-    #[must_use]
     pub fn describe(&self) -> String {
         let name = &self.of_match.name;
         match self.label {
@@ -241,7 +240,6 @@ impl Plan {
     }
 
     /// The shard with an id.
-    #[must_use]
     pub fn shard(&self, id: &str) -> Option<ShardOfPlan<'_>> {
         self.matches.iter().find_map(|of_match| {
             if of_match.find == id {
@@ -267,7 +265,6 @@ impl Plan {
 }
 
 /// The path of a file of a plan at `plan`. An absolute one stays as it is.
-#[must_use]
 pub(crate) fn path_in_plan(plan: &Path, path: &str) -> PathBuf {
     folder_of(plan).join(path)
 }

@@ -87,7 +87,6 @@ pub struct BurntInGraphic {
 /// computed from them, without cameras it is always true.
 ///
 /// Two pictures are enough. If the camera hardly moved between the pictures, nothing is reported.
-#[must_use]
 pub fn burnt_in(
     pictures: &[&Features],
     moved: &(dyn Fn(usize, usize, ImagePoint) -> bool + Sync),

@@ -112,7 +112,6 @@ fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
 }
 
 /// The version of the OpenCV in use. None if the program was built without it.
-#[must_use]
 pub fn opencv_version() -> Option<String> {
     #[cfg(feature = "opencv")]
     return opencv::core::get_version_string().ok();

@@ -27,13 +27,11 @@ pub struct Features {
 
 impl Features {
     /// Number of features.
-    #[must_use]
     pub const fn len(&self) -> usize {
         self.keypoints.len()
     }
 
     /// Whether the picture has no features.
-    #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.keypoints.is_empty()
     }

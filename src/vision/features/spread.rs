@@ -15,7 +15,6 @@ const CELL_SHARES: usize = 4;
 /// The indices of at most `max_count` features. A cell of the grid gets at most four times its even
 /// share of them, unless the other cells have too few features. In order of strength, then of
 /// index; surplus features of full cells come last.
-#[must_use]
 pub fn spread(keypoints: &[Keypoint], size: ImageSize, max_count: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..keypoints.len()).collect();
     order.sort_by(|&a, &b| {

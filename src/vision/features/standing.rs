@@ -173,7 +173,6 @@ pub(super) fn standing_pair(
 
 /// Share of the cells of a 16 × 9 grid that contain some of the points `some`, among those that
 /// contain any of `all`, 0 to 1; 0 if there are none.
-#[must_use]
 pub fn place_share(
     some: impl IntoIterator<Item = ImagePoint>,
     all: impl IntoIterator<Item = ImagePoint>,

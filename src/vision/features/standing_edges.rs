@@ -74,7 +74,6 @@ const MARGIN: f64 = 1.5;
 ///
 /// Returns nothing for fewer than six pictures, for pictures of different sizes, or if the camera
 /// turned by only a degree or two in all. Black bars along the borders need only two pictures.
-#[must_use]
 pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StaticGraphic> {
     let Some(first) = pictures.first() else {
         return Vec::new();

@@ -44,13 +44,11 @@ impl StaticGraphic {
     }
 
     /// Number of static edges in the reduced pictures.
-    #[must_use]
     pub fn edges(&self) -> usize {
         self.edges.len()
     }
 
     /// Whether another picture of the same size shows the graphic.
-    #[must_use]
     pub fn is_shown_in(&self, picture: &ReducedPicture) -> bool {
         // Sums over all edges, not a count of edges: a half-transparent graphic over a busy picture
         // hides single edges, but the components along its own add up.

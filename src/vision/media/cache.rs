@@ -16,7 +16,6 @@ pub struct FrameCache {
 
 impl FrameCache {
     /// An empty cache that keeps up to `budget_bytes` of pixels.
-    #[must_use]
     pub fn new(budget_bytes: usize) -> Self {
         Self {
             budget_bytes,
@@ -31,7 +30,6 @@ impl FrameCache {
     }
 
     /// Whether a frame is kept; this does not count as a use.
-    #[must_use]
     pub fn contains(&self, frame: &FrameRef) -> bool {
         self.frames.contains(frame)
     }
@@ -74,7 +72,6 @@ impl FrameCache {
     }
 
     /// The budget, bytes.
-    #[must_use]
     pub const fn budget_bytes(&self) -> usize {
         self.budget_bytes
     }

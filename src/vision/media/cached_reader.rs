@@ -39,7 +39,6 @@ struct KeptPicture {
 impl<R: ReadFrames> CachedReader<R> {
     /// A reader that reads with `reader` what it does not keep. It keeps up to `budget_bytes` of
     /// pixels.
-    #[must_use]
     pub const fn new(reader: R, budget_bytes: usize) -> Self {
         Self {
             reader,

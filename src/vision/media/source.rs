@@ -26,13 +26,11 @@ pub enum FrameRef {
 
 impl FrameRef {
     /// The frame of an image file.
-    #[must_use]
     pub fn image(path: impl Into<Arc<Path>>) -> Self {
         Self::Image(path.into())
     }
 
     /// Frame `index`, from 0, of a video.
-    #[must_use]
     pub fn video(path: impl Into<Arc<Path>>, index: usize) -> Self {
         Self::Video {
             path: path.into(),
@@ -41,7 +39,6 @@ impl FrameRef {
     }
 
     /// The file that contains the frame.
-    #[must_use]
     pub fn path(&self) -> &Path {
         match self {
             Self::Image(path) | Self::Video { path, .. } => path,
@@ -51,7 +48,6 @@ impl FrameRef {
     /// A substitute for the hash of a video's frame: path, length and modification time of the
     /// file, because hashing a match takes minutes. `None` for an image, and if the file cannot be
     /// accessed.
-    #[must_use]
     pub fn video_identity(&self) -> Option<String> {
         let Self::Video { path, index } = self else {
             return None;
@@ -125,7 +121,6 @@ impl FrameSource {
     }
 
     /// Number of frames.
-    #[must_use]
     pub fn len(&self) -> usize {
         match self {
             Self::Folder(listing) => listing.images.len(),
@@ -134,13 +129,11 @@ impl FrameSource {
     }
 
     /// Whether there is no frame at all.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// The frame at an index, from 0; `None` beyond the last.
-    #[must_use]
     pub fn frame(&self, index: usize) -> Option<FrameRef> {
         match self {
             Self::Folder(listing) => listing
@@ -155,7 +148,6 @@ impl FrameSource {
     }
 
     /// Remarks for the user about the source.
-    #[must_use]
     pub fn notices(&self) -> &[Notice] {
         match self {
             Self::Folder(listing) => &listing.notices,

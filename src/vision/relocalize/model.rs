@@ -67,7 +67,6 @@ pub struct SeenRange {
 
 impl SeenRange {
     /// The range of some cameras; `None` without any.
-    #[must_use]
     pub fn from_cameras(cameras: &[Ptz]) -> Option<Self> {
         let pan = AngleRange::smallest(cameras.iter().map(|ptz| ptz.pan))?;
         Some(Self {
@@ -88,7 +87,6 @@ impl SeenRange {
     }
 
     /// The pans as an arc.
-    #[must_use]
     pub fn pan(&self) -> AngleRange {
         AngleRange::new(
             Angle::from_degrees(*self.pan_deg.start()),
@@ -106,14 +104,12 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> Option<RangeInclusive<f64
 
 impl ForestModel {
     /// The forest of a camera.
-    #[must_use]
     pub fn camera(&self, name: &str) -> Option<&CameraForest> {
         self.cameras.iter().find(|forest| forest.camera == name)
     }
 
     /// The file: magic, version, length and CRC-32 of the rest, then the rest; little-endian
     /// throughout.
-    #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         // The body comes first, because the header states its length and checksum. Each list is
         // preceded by its length, and `from_bytes` reads the fields in this order.

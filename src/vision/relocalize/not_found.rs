@@ -80,7 +80,6 @@ fn accuracy(worst_corner_sigma_px: f64) -> String {
 
 impl NotFound {
     /// The code of the warning in documents.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::FewMatches { .. } => "coverage",

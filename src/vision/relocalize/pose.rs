@@ -88,7 +88,6 @@ pub struct Pose {
 
 impl Pose {
     /// The evidence for the pose in a picture of this size.
-    #[must_use]
     pub fn evidence(&self, image_size: ImageSize) -> Evidence {
         let scale = image_size.scale_from_1920();
         Evidence {

@@ -22,7 +22,6 @@ pub const CERTAIN: f64 = 0.9;
 impl CertainAnswerCounts {
     /// Upper bound of the stated probability: the success rate of certain answers, combined with
     /// the prior rate. 1 if nothing was measured.
-    #[must_use]
     pub fn at_most(&self) -> f64 {
         if self.certain == 0 {
             return 1.0;

@@ -43,7 +43,6 @@ const CLEAR_SIGMA_PX: f64 = 3.0;
 
 /// The clicks of one frame: landmarks in view, clear of `hidden` (players, the score graphic), the
 /// first at random and each next one far from those before; then points on lines.
-#[must_use]
 pub fn generate_clicks(
     field: &FieldModel,
     camera: &PtzCamera,

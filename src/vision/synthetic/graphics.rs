@@ -58,7 +58,6 @@ const TICKER_WORD_AT_1280: f64 = 190.0;
 impl Graphics {
     /// The boxes that these cover at a time since kick-off, px; a band that slides is where it
     /// comes to rest.
-    #[must_use]
     pub fn boxes(self, image_size: ImageSize, time_s: f64) -> Vec<PixelBox> {
         let all = [
             (self.score_bug, SCORE_BUG_AT_1280),

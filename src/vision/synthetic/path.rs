@@ -21,7 +21,6 @@ pub struct PathStep {
 /// The path of an operator who follows the ball of `stadium`'s match with the camera `base`:
 /// smooth, a little late, with the play in the lower middle of the picture, zooming in when the
 /// play is quiet.
-#[must_use]
 pub fn camera_path(
     stadium: &Stadium,
     base: &CameraBase,
@@ -53,7 +52,6 @@ pub fn camera_path(
 impl ShootOptions {
     /// How frame number `index` of a sequence is taken: exposure and focus vary from frame to
     /// frame, each by a draw of its own from `seed`.
-    #[must_use]
     pub fn frame(
         &self,
         index: usize,

@@ -39,7 +39,6 @@ pub struct SeenMover {
 
 impl SeenMover {
     /// The side a person belongs to; none for the ball.
-    #[must_use]
     pub const fn side(&self) -> Option<Side> {
         match self.mover {
             Mover::Person(side) => Some(side),
@@ -57,7 +56,6 @@ impl Stadium {
     /// The picture that a camera takes. The geometry is exact: every pixel is the ray of its centre
     /// (of a grid of rays at edges), through the lens model. The bytes do not depend on the number
     /// of threads.
-    #[must_use]
     pub fn render(
         &self,
         camera: &PtzCamera,

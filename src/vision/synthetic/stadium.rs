@@ -30,7 +30,6 @@ pub struct Stadium {
 }
 
 /// Builds a stadium; the same options build the same one.
-#[must_use]
 pub fn stadium(options: &StadiumOptions) -> Stadium {
     let field = &options.field;
     let kits = Kits::from_seed(sub_seed(options.seed, 0x4175));
@@ -70,13 +69,11 @@ const BOARDS: u8 = 16;
 
 impl Stadium {
     /// The options it was built from.
-    #[must_use]
     pub const fn options(&self) -> &StadiumOptions {
         &self.options
     }
 
     /// The field, as it is painted.
-    #[must_use]
     pub const fn field(&self) -> &FieldModel {
         &self.options.field
     }

@@ -4,7 +4,6 @@ use super::ViewGraphEdge;
 
 /// The connected components of `count` frames under pairwise matches, the largest first, each
 /// ascending; a frame without a match is a component of its own.
-#[must_use]
 pub fn groups(count: usize, edges: &[ViewGraphEdge]) -> Vec<Vec<usize>> {
     // Union–find; the root of a component is its smallest frame, so that the result does not depend
     // on the order of the edges.

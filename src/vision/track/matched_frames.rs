@@ -23,7 +23,6 @@ const LOSS_SIGMAS: [f64; 3] = [30.0, 8.0, 2.0];
 
 /// Adjusts matched frames to their matches and priors; `None` if that leaves a frame undetermined.
 /// `start` has the cameras of all frames, `base` their lens.
-#[must_use]
 pub fn adjust_matched_frames(
     base: &CameraBase,
     start: &[Ptz],
@@ -92,7 +91,6 @@ pub fn adjust_matched_frames(
 ///
 /// A frame without a known camera is placed relative to the known frame with which it has the most
 /// inliers, or else relative to the first known frame.
-#[must_use]
 pub fn fill_missing_cameras(
     known: &[Option<Ptz>],
     rotations: &[Ptz],

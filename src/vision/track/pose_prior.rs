@@ -45,7 +45,6 @@ impl PriorSource {
 
 impl PosePrior {
     /// A prior with the loss of its source.
-    #[must_use]
     pub const fn new(frame: usize, ptz: Ptz, information: Mat3, source: PriorSource) -> Self {
         Self {
             frame,
@@ -58,7 +57,6 @@ impl PosePrior {
 
     /// A prior from the covariance of (pan rad, tilt rad, focal length px). A singular covariance
     /// yields a prior without information.
-    #[must_use]
     pub fn from_covariance(frame: usize, ptz: Ptz, covariance: &Mat3, source: PriorSource) -> Self {
         // A covariance without an inverse states that a parameter is exact; its information would
         // be infinite. No information is the safe reading; `adjust_clip` leaves such a prior out.
@@ -80,7 +78,6 @@ impl PosePrior {
     /// Limits a camera to the confidence region of this prior: `ptz` if it lies within `sigmas`,
     /// else the point at that Mahalanobis distance on the straight line to it. Without information,
     /// the mean.
-    #[must_use]
     pub fn towards(&self, ptz: Ptz, sigmas: f64) -> Ptz {
         // A covariance that could not be inverted has no region; the camera stays at the mean.
         if !self.is_informative() {

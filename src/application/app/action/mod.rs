@@ -83,7 +83,6 @@ impl Action {
     /// Whether the action is allowed during a blind round, because it neither changes nor shows
     /// labels, nor leaves the round. For commands,
     /// [`CommandKind::is_blind`](super::CommandKind::is_blind) decides in addition.
-    #[must_use]
     pub const fn is_blind(&self) -> bool {
         !matches!(
             self,

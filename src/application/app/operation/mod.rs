@@ -98,7 +98,6 @@ pub enum Breakdown {
 impl<E> Failure<E> {
     /// The severity of the message to the user. An error of the work itself is a warning, since its
     /// text usually says what to do.
-    #[must_use]
     pub const fn level(&self) -> Level {
         match self {
             Self::Failed(_) => Level::Warning,

@@ -17,7 +17,6 @@ type Apply = dyn FnOnce(&mut App) -> Option<Report> + Send;
 
 impl Report {
     /// A report of progress.
-    #[must_use]
     pub fn from_progress<O: Operation>(id: RequestId, progress: O::Progress) -> Self {
         Self {
             id,
@@ -30,7 +29,6 @@ impl Report {
     }
 
     /// A report of the result.
-    #[must_use]
     pub fn from_result<O: Operation>(
         id: RequestId,
         result: Result<O::Output, Failure<O::Error>>,

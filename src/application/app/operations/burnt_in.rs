@@ -158,7 +158,6 @@ impl App {
     }
 
     /// The boxes of undecided graphics in the shown frame, while the question is shown.
-    #[must_use]
     pub fn masks_in_question(&self) -> Vec<PixelBox> {
         let Some(frame) = self
             .frame()

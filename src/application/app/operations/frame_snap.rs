@@ -117,7 +117,6 @@ impl Operation for FrameSnap {
 
 impl FrameSnapState {
     /// The running request.
-    #[must_use]
     pub const fn running(&self) -> Option<&Running<FrameSnap>> {
         self.slot.running()
     }
@@ -329,7 +328,6 @@ impl App {
 
     /// The shown frame's camera before its alignment, if the frame is aligned and that camera is
     /// known.
-    #[must_use]
     pub fn before_snap(&self) -> Option<&PtzCamera> {
         let frame = self.frame().filter(|frame| frame.is_snapped())?;
         self.operations.frame_snap.before.get(&frame.id)

@@ -44,7 +44,6 @@ pub struct Opened {
 impl Opened {
     /// A writable document without messages, in the folder of its file. Takes a pass over all
     /// frames, so call it on the thread that reads the document.
-    #[must_use]
     pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
         let file = file.into();
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
@@ -63,7 +62,6 @@ impl Opened {
     }
 
     /// The document.
-    #[must_use]
     pub const fn document(&self) -> &Document {
         self.prepared.document()
     }
@@ -72,7 +70,6 @@ impl Opened {
 #[cfg(any(test, feature = "testing"))]
 impl crate::app::App {
     /// The application of a test with a document open.
-    #[must_use]
     pub fn with_document(document: Document) -> Self {
         let mut app = Self::new(crate::app::Settings::default());
         let opened = Opened::new(document, "/match/project.json");

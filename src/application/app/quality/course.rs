@@ -26,7 +26,6 @@ impl Quantity {
     pub const ALL: [Self; 3] = [Self::Pan, Self::Tilt, Self::Focal];
 
     /// The label, with the unit.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::Pan => "Pan, degrees",
@@ -52,7 +51,6 @@ impl PointKind {
     pub const ALL: [Self; 3] = [Self::Draft, Self::Suggested, Self::Reference];
 
     /// The status with the same colour.
-    #[must_use]
     pub const fn status(self) -> FrameStatus {
         match self {
             Self::Draft => FrameStatus::Draft,
@@ -96,7 +94,6 @@ pub struct CoursePoint {
 
 impl CoursePoint {
     /// One of the values.
-    #[must_use]
     pub const fn value(&self, quantity: Quantity) -> f64 {
         self.values[quantity as usize]
     }
@@ -122,7 +119,6 @@ pub struct Course {
 impl Course {
     /// Computes the course of a camera. `found` has the disagreements of all frames of the
     /// document.
-    #[must_use]
     pub fn compute(
         document: &Document,
         found: &Disagreements,
@@ -200,7 +196,6 @@ impl Course {
     }
 
     /// The number of points of a kind.
-    #[must_use]
     pub fn count(&self, kind: PointKind) -> usize {
         self.points
             .iter()
@@ -209,7 +204,6 @@ impl Course {
     }
 
     /// The points within a span of time, including both ends.
-    #[must_use]
     pub fn within(&self, span: [f64; 2]) -> &[CoursePoint] {
         let from = self.points.partition_point(|point| point.at < span[0]);
         let upto = self.points.partition_point(|point| point.at <= span[1]);
@@ -217,7 +211,6 @@ impl Course {
     }
 
     /// The time of a frame of the document. With video time: none if the frame has no point.
-    #[must_use]
     pub fn at_of(&self, frame: usize) -> Option<f64> {
         match self.axis {
             TimeAxis::Frame => Some(frame as f64),
@@ -279,7 +272,6 @@ fn whole(timed: &[(f64, usize, &Frame)]) -> Option<[f64; 2]> {
 
 /// Magnifies a span of time by `factor`; the time `around` keeps its position. None if the result
 /// is the whole.
-#[must_use]
 pub fn zoom_span(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Option<[f64; 2]> {
     let smallest = ((whole[1] - whole[0]) * SMALLEST_SHARE).max(1e-3);
     // `around` keeps its share of the span. It is clamped, as the pointer may be outside.
@@ -290,7 +282,6 @@ pub fn zoom_span(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> O
 }
 
 /// Shifts a span of time into the whole. None if it is at least as long as the whole.
-#[must_use]
 pub fn within_whole(span: [f64; 2], whole: [f64; 2]) -> Option<[f64; 2]> {
     let length = span[1] - span[0];
     // Written as a negation, so that NaN means the whole, too.

@@ -118,7 +118,6 @@ pub struct CoverageComparison {
 
 impl CoverageComparison {
     /// The coverage of a camera's frames; none if it has no base.
-    #[must_use]
     pub fn compute(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {
         Some(Self {
             references: measure_with_status(document, field, camera, FrameStatus::Reference)?,

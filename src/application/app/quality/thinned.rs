@@ -27,7 +27,6 @@ pub struct Column {
 /// Reduces the points of `span` to `columns` columns. If they are few, each is drawn; otherwise the
 /// range from the smallest to the largest value of each kind in each column, so that no outlier
 /// disappears.
-#[must_use]
 pub fn thin_points(
     points: &[CoursePoint],
     quantity: Quantity,

@@ -8,7 +8,6 @@ use crate::app::window_state::session::{Dialog, SidePanel};
 impl App {
     /// The page of the user guide about what is shown. None in dialogs that explain themselves or
     /// would lose typed text.
-    #[must_use]
     pub fn guide_page(&self) -> Option<GuidePage> {
         Some(match &self.session.dialog {
             None if self.session.quality.open => GuidePage::Quality,

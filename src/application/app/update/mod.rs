@@ -43,7 +43,6 @@ use touchline_documents::document::{Edit, EditKind, Frame, FrameStatus, Frames, 
 
 impl App {
     /// An application without a document.
-    #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self {
             settings,
@@ -61,31 +60,26 @@ impl App {
     }
 
     /// The open document.
-    #[must_use]
     pub const fn open(&self) -> Option<&OpenProject> {
         self.open.as_ref()
     }
 
     /// The shown frame.
-    #[must_use]
     pub fn frame(&self) -> Option<&Frame> {
         self.open.as_ref()?.frame(self.session.frame)
     }
 
     /// The values derived from the shown frame, such as its camera.
-    #[must_use]
     pub const fn current(&self) -> &Current {
         &self.current
     }
 
     /// The suggestions that wait for review.
-    #[must_use]
     pub const fn review(&self) -> &Review {
         &self.review
     }
 
     /// The values on the quality page; empty while it is closed.
-    #[must_use]
     pub const fn quality(&self) -> &Quality {
         &self.quality
     }

@@ -8,7 +8,6 @@ use crate::scene::OverlayStyle;
 
 impl App {
     /// The style of the lines over the shown frame.
-    #[must_use]
     pub fn overlay_style(&self) -> OverlayStyle {
         let template = self
             .shown_field_spec()

@@ -30,7 +30,6 @@ impl Scope {
     pub const ALL: [Self; 4] = [Self::Frame, Self::Selected, Self::Shot, Self::Onwards];
 
     /// The label.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::Frame => "This frame",
@@ -90,7 +89,6 @@ impl MaskScope {
     ];
 
     /// The label.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::All => "Every frame",

@@ -33,7 +33,6 @@ impl Filter {
     ];
 
     /// Whether the filter shows a frame.
-    #[must_use]
     pub fn shows(self, frame: &Frame) -> bool {
         match self {
             Self::All => true,
@@ -45,7 +44,6 @@ impl Filter {
     }
 
     /// The label.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::All => "All frames",
@@ -59,13 +57,11 @@ impl Filter {
 
 /// Whether a frame is to do: neither accepted nor rejected. The filmstrip, the keys, all counts and
 /// all texts use this definition.
-#[must_use]
 pub const fn is_to_do(frame: &Frame) -> bool {
     !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)
 }
 
 /// The label of a status.
-#[must_use]
 pub const fn status_label(status: FrameStatus) -> &'static str {
     match status {
         FrameStatus::New => "New",

@@ -55,7 +55,6 @@ pub struct Naming {
 
 impl Naming {
     /// The candidates in the list: the first [`OFFERED`] that pass the filter.
-    #[must_use]
     pub fn listed_candidates(&self) -> Vec<&NameCandidate> {
         let mut offered = filter_by_text(&self.candidates, &self.typed);
         offered.truncate(OFFERED);
@@ -63,7 +62,6 @@ impl Naming {
     }
 
     /// The candidate that Enter chooses.
-    #[must_use]
     pub fn chosen(&self) -> Option<&NameCandidate> {
         self.listed_candidates().get(self.highlighted).copied()
     }

@@ -27,7 +27,6 @@ impl ReviewOrder {
     ];
 
     /// The label in the panel.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::Confidence => "Confidence",
@@ -39,7 +38,6 @@ impl ReviewOrder {
     }
 
     /// The explanation in the panel.
-    #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
             Self::Confidence => {

@@ -145,7 +145,6 @@ pub struct PendingAcceptance {
 }
 
 /// The label of a reason for rejection.
-#[must_use]
 pub const fn reason_label(reason: RejectReason) -> &'static str {
     match reason {
         RejectReason::CloseUp => "Close-up",
@@ -214,7 +213,6 @@ impl Session {
     }
 
     /// Whether the next point that is placed lies on a line.
-    #[must_use]
     pub fn is_next_on_line(&self) -> bool {
         self.points.next_on_line || self.picture.tool == Tool::Line
     }
@@ -236,7 +234,6 @@ impl Session {
     }
 
     /// Whether a message on display has a button for a command.
-    #[must_use]
     pub fn offers(&self, command: Command) -> bool {
         self.messages
             .notices

@@ -135,7 +135,6 @@ impl Trainer {
     }
 
     /// The reports that have arrived since the last call.
-    #[must_use]
     pub fn poll(&self) -> Vec<TrainerReport> {
         self.worker.mailbox().take_reports()
     }

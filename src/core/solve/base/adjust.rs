@@ -97,7 +97,6 @@ pub struct AdjustedBase {
 /// Adjusts a base and its frames from a start. Frames without `ptz` are left out.
 ///
 /// The principal point is the start's.
-#[must_use]
 pub fn adjust_base(
     clicks: &CameraClicks<'_>,
     start: &CameraBase,
@@ -325,7 +324,6 @@ pub(in crate::solve) fn direction_to_field(position_m: Vec3) -> Vec2 {
 
 impl BasePriors {
     /// The usual lens of broadcast cameras for pictures of a size: k₁ follows the focal length.
-    #[must_use]
     pub fn usual_lens(&self, image_size: ImageSize) -> FocalCurve {
         let per_1920 = image_size.scale_from_1920();
         // k₁ is of normalised coordinates and has no unit of px; the focal lengths scale with the

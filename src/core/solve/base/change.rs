@@ -68,7 +68,6 @@ pub struct BaseChange {
 
 /// Finds the frame from which on the base no longer fits, if there is one. `frames` and their
 /// cameras are in temporal order. Frames without a camera or with too few clicks are skipped.
-#[must_use]
 pub fn base_change(
     field: &FieldModel,
     frames: &[FrameClicks],

@@ -61,7 +61,6 @@ impl BaseOptions {
     }
 
     /// The model with the most free parameters among the allowed ones.
-    #[must_use]
     pub fn richest(&self, clicks: &CameraClicks<'_>) -> BaseModel {
         let centre = self.free_centre(clicks.principal_point, clicks.frames.len());
         models(clicks.field, centre, self)
@@ -276,7 +275,6 @@ fn test_pixels(
 /// The errors of frames under a base that is not adjusted to them, at paint and at clicks. Each
 /// camera is refined on one half of its clicks and paint and evaluated on the other. `crown_m` is
 /// the crown that belongs to the base.
-#[must_use]
 pub fn cross_validated_errors(
     painted: &CameraClicks<'_>,
     base: &CameraBase,

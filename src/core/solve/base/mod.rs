@@ -121,7 +121,6 @@ impl FrameClicks {
     }
 
     /// The number of equations of the clicks used.
-    #[must_use]
     pub fn equations(&self) -> usize {
         self.used_clicks().map(Observation::equations).sum()
     }
@@ -145,7 +144,6 @@ pub struct CameraClicks<'a> {
 
 impl<'a> CameraClicks<'a> {
     /// The clicks of a camera whose principal point is the middle of the picture.
-    #[must_use]
     pub fn with_centred_principal_point(
         field: &'a FieldModel,
         frames: &'a [FrameClicks],

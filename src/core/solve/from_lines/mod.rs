@@ -144,7 +144,6 @@ pub struct CameraFromLines {
 
 impl CameraFromLines {
     /// The camera.
-    #[must_use]
     pub fn camera(&self) -> PtzCamera {
         PtzCamera::new(self.base, self.ptz)
     }

@@ -6,7 +6,6 @@ use crate::solve::{Warning, WarningCode};
 
 impl IdentityFinding {
     /// The warning for the user: the problem, the numbers and the remedy.
-    #[must_use]
     pub fn warning(&self) -> Warning {
         // A line or landmark that the camera does not see has no distance.
         let before = if self.as_named_px.is_finite() {
@@ -100,7 +99,6 @@ impl IdentityFinding {
     }
 
     /// The name of the edit that corrects the names.
-    #[must_use]
     pub fn step(&self) -> String {
         let clicks: Vec<usize> = self.renames.iter().map(|rename| rename.click).collect();
         let points = points(&clicks).to_lowercase();

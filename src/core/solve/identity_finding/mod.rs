@@ -65,7 +65,6 @@ impl Serialize for Name {
 
 impl Name {
     /// The name of a field's landmark or line; none if the field has no such element.
-    #[must_use]
     pub fn from_element(element: FieldElement, field: &FieldModel) -> Option<Self> {
         match element {
             FieldElement::Landmark(index) => field
@@ -80,7 +79,6 @@ impl Name {
     }
 
     /// As documents write it.
-    #[must_use]
     pub fn as_str(&self) -> &str {
         match self {
             Self::Landmark(id) => id.as_str(),

@@ -49,7 +49,6 @@ pub struct ShapeJacobian {
 
 impl ShapeJacobian {
     /// By all parameters that the frames share, in the order of the shared columns.
-    #[must_use]
     pub fn by_shared(&self, camera: &PtzCamera) -> SMatrix<f64, 2, SHARED_COLUMNS> {
         by_shared(
             camera,
@@ -64,7 +63,6 @@ impl ShapeJacobian {
 
 impl ObservedShape {
     /// The shape of a field's landmark, line or paint; none if the field has no such element.
-    #[must_use]
     pub fn from_element(field: &FieldModel, element: FieldElement) -> Option<Self> {
         match element {
             FieldElement::Landmark(index) => field
@@ -83,7 +81,6 @@ impl ObservedShape {
     }
 
     /// How many equations a click on it gives.
-    #[must_use]
     pub const fn equations(&self) -> usize {
         match self {
             Self::Point(_) => 2,
@@ -92,7 +89,6 @@ impl ObservedShape {
     }
 
     /// The point, m, `world`; none for a curve.
-    #[must_use]
     pub const fn point(&self) -> Option<Vec3> {
         match self {
             Self::Point(at) => Some(*at),
@@ -101,7 +97,6 @@ impl ObservedShape {
     }
 
     /// Whether its coordinates are finite.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         let at = match self {
             Self::Point(at) => *at,
@@ -112,7 +107,6 @@ impl ObservedShape {
 
     /// The offset (px) to a click from the image of the point, or from the nearest point of the
     /// curve's image; none where it has no image.
-    #[must_use]
     pub fn offset_px(&self, camera: &PtzCamera, click: ImagePoint) -> Option<Vec2> {
         match self {
             Self::Point(at) => camera
@@ -145,7 +139,6 @@ impl ObservedShape {
     /// The residual and its derivatives by pan (px/rad), tilt (px/rad) and focal length (px/px):
     /// the part of [`Self::jacobian`] that a fit with a known base needs.
     #[inline]
-    #[must_use]
     pub fn residual_by_ptz(
         &self,
         camera: &PtzCamera,
@@ -170,7 +163,6 @@ impl ObservedShape {
     }
 
     /// The residual of a click with all its derivatives; none where the shape has no image.
-    #[must_use]
     pub fn jacobian(&self, camera: &PtzCamera, click: ImagePoint) -> Option<ShapeJacobian> {
         // For a curve, `by_image` projects image derivatives onto the unit normal. That the nearest
         // point slides along the curve as the camera changes has no first-order effect on the
@@ -238,7 +230,6 @@ impl ObservedShape {
     }
 
     /// A point where a symmetry of the field puts it; none for a curve.
-    #[must_use]
     pub(in crate::solve) fn mirror_point(&self, symmetry: Symmetry) -> Option<Self> {
         self.point().map(|at| Self::Point(symmetry.apply(at)))
     }

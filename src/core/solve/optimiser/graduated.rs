@@ -16,7 +16,6 @@ use super::least_squares::{Equations, Problem};
 
 /// The parameters after one undamped Gauss–Newton step; none where the equations are singular.
 #[inline]
-#[must_use]
 pub fn gauss_newton_step<P: Problem>(problem: &P, from: &P::State) -> Option<P::State> {
     let step = problem.equations(from).step(0.0)?;
     Some(problem.apply_step(from, &step))

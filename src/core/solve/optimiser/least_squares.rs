@@ -148,7 +148,6 @@ pub struct BlockEquations<const SHARED: usize, const OWN: usize> {
 impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
     /// No residual yet.
     #[inline]
-    #[must_use]
     pub fn zero() -> Self {
         Self {
             shared: SMatrix::zeros(),
@@ -199,7 +198,6 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
     }
 
     /// The cost of its residuals.
-    #[must_use]
     pub fn cost(&self) -> f64 {
         self.losses.total()
     }
@@ -230,7 +228,6 @@ impl<const SHARED: usize, const OWN: usize> BlockEquations<SHARED, OWN> {
 
     /// The Schur complement: the equations of the shared parameters after elimination of the
     /// block's own. None where the residuals do not determine the own parameters.
-    #[must_use]
     pub fn eliminate_own(&self) -> Option<(SMatrix<f64, SHARED, SHARED>, SVector<f64, SHARED>)> {
         // S − C O⁻¹ Cᵀ and g_s − C O⁻¹ g_o.
         let gain = self.cross * self.own_inverse()?;

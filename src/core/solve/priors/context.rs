@@ -33,7 +33,6 @@ pub struct SolveContext {
 
 impl SolveContext {
     /// A context with the frame's size alone.
-    #[must_use]
     pub fn new(image_size: ImageSize) -> Self {
         Self {
             image_size,

@@ -51,7 +51,6 @@ impl PtzStep {
     };
 
     /// The absolute change from one camera to another.
-    #[must_use]
     pub fn between(from: &Ptz, to: &Ptz) -> Self {
         Self {
             pan: to.pan.turn_from(from.pan).abs(),
@@ -92,7 +91,6 @@ impl MotionPrior {
     /// The cost of a camera under this prior in units of χ²: 0 within the usual limits, 25 at twice
     /// a limit, 50 at most. `slack` is the uncertainty of the camera due to click noise; the limits
     /// are extended by it.
-    #[must_use]
     pub fn surprise(&self, ptz: &Ptz, slack: &PtzStep) -> f64 {
         // The larger of both counts, not their sum, because both may describe the same deviation.
         let odd = [self.jump(ptz, slack), self.elsewhere(ptz, slack)];

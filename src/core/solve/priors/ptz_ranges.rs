@@ -18,7 +18,6 @@ pub struct PtzRanges {
 impl PtzRanges {
     /// Any pan, tilt from straight down to 20° up, fields of view from 1.5° of the 16:9 picture that
     /// a frame is cut from to 90° along its own longer side.
-    #[must_use]
     pub fn for_size(size: ImageSize) -> Self {
         let longer_px = f64::from(size.width.max(size.height));
         Self {
@@ -29,7 +28,6 @@ impl PtzRanges {
     }
 
     /// Whether pan, tilt and focal length are all within.
-    #[must_use]
     pub fn contains(&self, ptz: &Ptz) -> bool {
         self.pan.contains(ptz.pan)
             && self.tilt.contains(&ptz.tilt)

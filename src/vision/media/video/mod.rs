@@ -61,7 +61,6 @@ pub struct VideoInfo {
 
 impl VideoInfo {
     /// When a frame is shown, seconds from the stream's start; none beyond the last frame.
-    #[must_use]
     pub fn pts_s(&self, index: usize) -> Option<f64> {
         (index < self.decoded_frames)
             .then(|| self.clock.pts_s(index))

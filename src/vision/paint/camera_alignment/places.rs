@@ -39,7 +39,6 @@ const FEWEST_OF_LINE: usize = 4;
 const MOST_OF_LINE: usize = 16;
 
 /// The points of paint near the lines that a camera predicts, line by line.
-#[must_use]
 pub fn paint_places(
     ground: &GroundPicture,
     field: &FieldModel,

@@ -86,7 +86,6 @@ impl Default for SnapOptions {
 impl SnapOptions {
     /// Looser limits, for a lens that is not yet right: lines look curved then, so that the two
     /// halves of a frame's paint may disagree by more than in a final alignment.
-    #[must_use]
     pub fn for_unknown_lens() -> Self {
         Self {
             halves_px: 4.0,

@@ -68,7 +68,6 @@ const SCALES_PX: [f64; 4] = [3.0, 2.0, 1.2, 1.2];
 ///
 /// `camera` need not be exact: the directions of its lines may be a few degrees off, and its
 /// position in the picture does not matter.
-#[must_use]
 pub fn snap_point(
     ground: &GroundPicture,
     field: &FieldModel,

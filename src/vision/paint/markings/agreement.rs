@@ -77,7 +77,6 @@ impl<'a> PaintedCells<'a> {
 impl Agreement {
     /// The product of both shares: high only if both are. A camera that predicts few lines may have
     /// all of them on markings, one that predicts many explains most markings.
-    #[must_use]
     pub fn both(&self) -> f64 {
         self.explained * self.seen
     }

@@ -35,7 +35,6 @@ pub struct PersistentPoint {
 
 /// The marking pixels that enough frames show in one direction. `frames` are the cameras and
 /// markings of pictures from one position.
-#[must_use]
 pub fn persistent_paint(frames: &[(PtzCamera, MarkingPixels)]) -> Vec<PersistentPoint> {
     // Every marking pixel is projected into the other frames. A raster of directions, as for a
     // panorama, would round all of them to its cells. Frames are independent of each other, and
@@ -134,7 +133,6 @@ pub struct GroundDirections {
 
 impl GroundDirections {
     /// Builds the grid from frames of one camera at one position.
-    #[must_use]
     pub fn from_frames(frames: &[(PtzCamera, MarkingPixels)]) -> Self {
         /// Samples per row of a frame, enough that the widest views skip no cell.
         const ACROSS: usize = 320;
@@ -190,7 +188,6 @@ impl GroundDirections {
     }
 
     /// Whether enough frames show ground in a direction of `world`.
-    #[must_use]
     pub fn holds(&self, direction: Vec3) -> bool {
         Self::cell(self.columns, self.rows, direction).is_some_and(|cell| self.seen[cell])
     }

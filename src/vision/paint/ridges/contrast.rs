@@ -55,7 +55,6 @@ impl LineContrast {
     }
 
     /// The number of places.
-    #[must_use]
     pub const fn num_places(&self) -> usize {
         self.num_places
     }
@@ -63,7 +62,6 @@ impl LineContrast {
     /// The mean over all places, against the side that is brighter in the mean, grey levels. It is
     /// positive for paint alone: an edge, or a slope of the light, is darker than one of its sides
     /// wherever it is measured. None without places.
-    #[must_use]
     pub fn mean(&self) -> Option<f64> {
         let [one, other] = self.sums;
         (self.num_places > 0).then(|| one.min(other) / self.num_places as f64)

@@ -64,7 +64,6 @@ impl Default for TrainOptions {
 impl TrainOptions {
     /// The settings of the paper: 5 trees of 30 frames, depth 20, 6 bytes with 10 thresholds each,
     /// and leaves that contain the mean of all their samples.
-    #[must_use]
     pub fn from_paper() -> Self {
         Self {
             trees: 5,

@@ -16,7 +16,6 @@ pub struct Samples {
 
 impl Samples {
     /// No samples.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -31,19 +30,16 @@ impl Samples {
     }
 
     /// Number of samples.
-    #[must_use]
     pub const fn len(&self) -> usize {
         self.descriptors.len()
     }
 
     /// Whether there is none.
-    #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.descriptors.is_empty()
     }
 
     /// Number of frames that were added.
-    #[must_use]
     pub const fn frames(&self) -> usize {
         self.frame_ends.len()
     }

@@ -143,7 +143,6 @@ pub struct Forest {
 
 impl Forest {
     /// Number of trees.
-    #[must_use]
     pub const fn trees(&self) -> usize {
         self.trees.len()
     }
@@ -157,26 +156,22 @@ impl Forest {
     }
 
     /// Number of leaves of all trees.
-    #[must_use]
     pub fn leaves(&self) -> usize {
         self.trees.iter().map(|tree| tree.leaf_ends.len()).sum()
     }
 
     /// Number of descriptors in all leaves; each is the mean of samples that show one place.
-    #[must_use]
     pub fn means(&self) -> usize {
         self.trees.iter().map(|tree| tree.rays.len()).sum()
     }
 
     /// Memory in bytes.
-    #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.trees.iter().map(Tree::memory_bytes).sum()
     }
 
     /// Number of leaves whose rays spread by more than an angle (rad, root mean square): different
     /// places that look alike, or references that contradict each other.
-    #[must_use]
     pub fn mixed_leaves(&self, spread: f64) -> usize {
         self.trees
             .iter()

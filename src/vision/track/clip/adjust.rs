@@ -56,7 +56,6 @@ pub struct AdjustedClip {
 ///
 /// `None` if the clip is undetermined: no reached frame has an informative prior, or the normal
 /// equations are singular.
-#[must_use]
 pub fn adjust_clip(
     camera: &ClipCamera,
     tracks: &PointTracks,

@@ -27,7 +27,6 @@ pub struct ClipLens {
 
 impl ClipCamera {
     /// A camera with one lens for all frames.
-    #[must_use]
     pub const fn new(base: CameraBase) -> Self {
         Self {
             base,
@@ -37,7 +36,6 @@ impl ClipCamera {
 
     /// A camera with a lens per frame, by the frame's index in the clip. Frames without one, and
     /// those beyond the list, have the lens of the base.
-    #[must_use]
     pub const fn with_lenses(base: CameraBase, lenses: Vec<Option<ClipLens>>) -> Self {
         Self { base, lenses }
     }
@@ -47,7 +45,6 @@ impl ClipCamera {
     }
 
     /// The base with the lens of a frame.
-    #[must_use]
     pub fn base_at(&self, frame: usize) -> CameraBase {
         let Some(lens) = self.lens_at(frame) else {
             return self.base;
@@ -60,13 +57,11 @@ impl ClipCamera {
     }
 
     /// The focal length of a frame, where it is known, px.
-    #[must_use]
     pub fn focal_px_at(&self, frame: usize) -> Option<f64> {
         self.lens_at(frame)?.focal_px
     }
 
     /// `ptz` with the frame's focal length where that is known.
-    #[must_use]
     pub fn with_known_focal(&self, frame: usize, ptz: Ptz) -> Ptz {
         Ptz {
             focal_px: self.focal_px_at(frame).unwrap_or(ptz.focal_px),

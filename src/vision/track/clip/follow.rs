@@ -70,7 +70,6 @@ struct Alive {
 
 impl PointFollower {
     /// A tracker without any points.
-    #[must_use]
     pub const fn new(image_size: ImageSize, options: FollowOptions) -> Self {
         Self {
             options,
@@ -85,13 +84,11 @@ impl PointFollower {
     }
 
     /// Number of pictures that the points were tracked through.
-    #[must_use]
     pub const fn frames(&self) -> usize {
         self.tracks.frames
     }
 
     /// All tracks so far.
-    #[must_use]
     pub fn into_tracks(self) -> PointTracks {
         self.tracks
     }

@@ -18,7 +18,6 @@ pub struct Jitter {
 impl Jitter {
     /// Of cameras in frame order. A missing frame interrupts the sequence; `None` without three
     /// consecutive cameras.
-    #[must_use]
     pub fn measure(cameras: &[Option<Ptz>]) -> Option<Self> {
         let (mut squares, mut count) = ([0.0; 4], 0.0);
         for three in cameras.windows(3) {

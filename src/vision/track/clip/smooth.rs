@@ -38,7 +38,6 @@ pub struct UnsmoothedFrame {
 
 /// Smooths consecutive frames; returns one camera per frame. Fewer than five frames are returned
 /// unchanged.
-#[must_use]
 pub fn smooth(frames: &[UnsmoothedFrame], options: &SmoothOptions) -> Vec<Ptz> {
     let Some(first) = frames.first().map(|frame| frame.ptz) else {
         return Vec::new();

@@ -17,7 +17,6 @@ use touchline_core::markings::LineVerdict;
 
 impl App {
     /// The line check of a frame's camera, if it is known.
-    #[must_use]
     pub fn paint_says(&self, frame: usize) -> Option<LineCheckSummary> {
         let open = self.open.as_ref()?;
         self.operations
@@ -26,7 +25,6 @@ impl App {
     }
 
     /// Whether the line check contradicts a frame's camera.
-    #[must_use]
     pub fn is_contradicted(&self, frame: usize) -> bool {
         self.paint_says(frame)
             .is_some_and(|says| says.verdict == LineVerdict::Contradicts)
@@ -37,7 +35,6 @@ impl App {
     /// [`Self::paint_says`] leaves the verdict open where the lines contradict every camera of the
     /// document, because such lines may be those of another sport. Before a camera is accepted the
     /// picture itself counts.
-    #[must_use]
     pub fn own_paint_says(&self, frame: usize) -> Option<LineCheckSummary> {
         let open = self.open.as_ref()?;
         let frame = open.frame(frame)?;
@@ -46,7 +43,6 @@ impl App {
 
     /// How far the paint lies from the lines that a frame's camera draws, farthest first. Empty if
     /// that is not known.
-    #[must_use]
     pub fn line_offsets(&self, frame: usize) -> &[LineOffset] {
         let open = self.open.as_ref();
         open.and_then(|open| {
@@ -59,7 +55,6 @@ impl App {
 
     /// The line that lies beside its paint by [`BESIDE_PX`] or more, if a frame's camera has one;
     /// the farthest of them.
-    #[must_use]
     pub fn line_beside_paint(&self, frame: usize) -> Option<&LineOffset> {
         let open = self.open.as_ref()?;
         self.operations

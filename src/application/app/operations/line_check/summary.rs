@@ -40,7 +40,6 @@ impl LineCheckSummary {
     }
 
     /// The verdict in three words.
-    #[must_use]
     pub const fn in_brief(&self) -> &'static str {
         match self.verdict {
             LineVerdict::Supports => "on painted lines",
@@ -58,7 +57,6 @@ impl LineCheckSummary {
     }
 
     /// One line: "on the painted lines: 0.7 px off, 97 % of the visible paint found".
-    #[must_use]
     pub fn describe(&self) -> String {
         let found = self.share_found();
         match (self.verdict, self.offset_px) {

@@ -43,7 +43,6 @@ impl Guidance {
 /// The first case that applies decides: reading a document, no document, the quality page, an
 /// action that was begun, an estimated base, work that will answer the shown frame, and then its
 /// state.
-#[must_use]
 pub fn next_step(app: &App) -> Guidance {
     if let Some(opening) = &app.session.disk.opening {
         return Guidance::say(opening.clone());

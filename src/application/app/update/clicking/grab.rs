@@ -15,7 +15,6 @@ use touchline_documents::document::{Click, FrameStatus, Target};
 impl App {
     /// The landmark or line that a drag from a point of the picture would move; none where none is
     /// drawn within reach, or something else has been begun.
-    #[must_use]
     pub fn grabbable(&self, at: ImagePoint, reach: ElementReach) -> Option<DrawnElement> {
         let frame = self.frame().filter(|_| self.can_grab())?;
         let style = self.overlay_style();

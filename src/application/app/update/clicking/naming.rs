@@ -9,7 +9,6 @@ use touchline_documents::document::{BetterName, Frame, Target};
 
 impl App {
     /// The label of a landmark or line; its id if the field lacks it.
-    #[must_use]
     pub fn label(&self, target: &Target) -> String {
         let label = self
             .current

@@ -11,7 +11,6 @@ use touchline_documents::document::{Click, Frame, Target};
 
 impl App {
     /// The data available for an estimate of the shown frame's camera.
-    #[must_use]
     pub const fn base_readiness(&self) -> BaseReadiness {
         self.current.readiness
     }

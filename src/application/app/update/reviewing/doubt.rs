@@ -10,7 +10,6 @@ use touchline_core::solve::{IdentityKind, Verdict, Warning, WarningCode};
 impl App {
     /// The reason why the shown frame is probably wrong, as a sentence. None if nothing contradicts
     /// it.
-    #[must_use]
     pub fn doubt(&self) -> Option<String> {
         self.doubt_of_clicks().or_else(|| self.doubt_of_camera())
     }
@@ -65,7 +64,6 @@ impl App {
     }
 
     /// The warning that caused the verdict on the shown frame.
-    #[must_use]
     pub fn cause(&self) -> Option<&Warning> {
         let reason = &self.current.judgement.as_ref()?.reason;
         self.current
@@ -76,7 +74,6 @@ impl App {
     }
 
     /// The command that corrects the shown frame, if there is one, and the label of its button.
-    #[must_use]
     pub fn mend(&self) -> Option<(Command, &'static str)> {
         let solved = self.current.click_solution()?;
         if let Some(found) = self.current.other_names() {

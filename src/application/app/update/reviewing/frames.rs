@@ -59,7 +59,6 @@ impl App {
     }
 
     /// Why the shown frame cannot be accepted, and a remedy. None if it can.
-    #[must_use]
     pub fn unacceptable(&self) -> Option<String> {
         let frame = self.frame()?;
         if self.session.video.picture_awaited {

@@ -75,7 +75,6 @@ impl App {
 
     /// The suggestions that would be accepted: according to the choices in the panel, without those
     /// that the user unticked.
-    #[must_use]
     pub fn bulk_accept(&self) -> BulkAccept {
         let choice = &self.session.review;
         // The panel counts with its present choices; the open sheet with what it showed when it
@@ -99,7 +98,6 @@ impl App {
     }
 
     /// The content of the sheet *Accept all*; none while it is closed.
-    #[must_use]
     pub const fn accept_sheet(&self) -> Option<&Arc<AcceptSheet>> {
         self.accept_sheet.as_ref()
     }

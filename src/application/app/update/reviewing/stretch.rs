@@ -11,7 +11,6 @@ use touchline_documents::document::{Frame, FrameStatus};
 impl App {
     /// How many frames are accepted together when a frame is to be accepted; none while no frames
     /// are selected.
-    #[must_use]
     pub fn stretch_size(&self) -> Option<usize> {
         Some(self.session.frames_selected.len()).filter(|count| *count > 0)
     }

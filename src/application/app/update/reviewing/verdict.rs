@@ -9,7 +9,6 @@ impl App {
     /// The verdict on the shown frame. A good one becomes *check* if the painted lines or the
     /// neighbouring frames contradict it. Neighbours also count for a reference without a verdict
     /// of its own.
-    #[must_use]
     pub fn judgement(&self) -> Option<Judgement> {
         // If the clicks contradict each other, that reason is the one to read. Numbers that were
         // set by hand have no clicks that could.

@@ -13,7 +13,6 @@ pub const UNSTATED_PX: f64 = 4.0;
 
 /// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad,
 /// focal px).
-#[must_use]
 pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
     let radian = 1f64.to_radians();
     let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
@@ -23,7 +22,6 @@ pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
 /// The covariance of (pan rad, tilt rad, focal px) of a camera that is known by four points
 /// half-way to the picture's corners, each to `sigma_px`; the base taken as exact. A lens that has
 /// no rays there is left out of account.
-#[must_use]
 pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Mat3 {
     // Seen from the origin, a ray is a point at unit distance.
     let base = camera.base().at_origin();

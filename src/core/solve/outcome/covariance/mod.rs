@@ -133,14 +133,12 @@ impl Uncertainty {
     }
 
     /// Covariance of (pan rad, tilt rad, focal px), the base's part included.
-    #[must_use]
     pub fn ptz_covariance(&self) -> Mat3 {
         let by_sigma = self.by_base * self.base_root;
         self.clicks + by_sigma * by_sigma.transpose()
     }
 
     /// Covariance of (pan deg, tilt deg, focal px), as documents hold it.
-    #[must_use]
     pub fn ptz_covariance_deg(&self) -> Mat3 {
         covariance_in_degrees(&self.ptz_covariance())
     }
@@ -148,14 +146,12 @@ impl Uncertainty {
     /// Covariance of (pan deg, tilt deg, focal px) from the frame's own evidence, for an exact
     /// base. Documents store it beside the total, because the base's part cannot be subtracted
     /// afterwards: the difference of two nearly equal matrices is seldom positive definite.
-    #[must_use]
     pub fn own_covariance_deg(&self) -> Mat3 {
         covariance_in_degrees(&self.clicks)
     }
 
     /// The increase of the expected χ² of the given observations that the base's uncertainty
     /// causes: the sum of |(`J_b` − J K) L|² / σ² over the observations.
-    #[must_use]
     pub fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
         if self.base_root.iter().all(|entry| *entry == 0.0) {
             return 0.0;
@@ -185,7 +181,6 @@ impl Uncertainty {
 
     /// The uncertainty after one more landmark click with noise `sigma_px` at a pixel. None where
     /// the pixel has no ray.
-    #[must_use]
     pub fn with_click_at(
         &self,
         camera: &PtzCamera,

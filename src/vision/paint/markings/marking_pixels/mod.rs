@@ -57,7 +57,6 @@ pub enum PixelContent {
 
 impl MarkingPixels {
     /// Detects the markings of a picture.
-    #[must_use]
     pub fn detect(ground: &GroundPicture) -> Self {
         let size = ground.size();
         let area = GroundArea::detect(ground);
@@ -80,7 +79,6 @@ impl MarkingPixels {
     }
 
     /// What the picture shows at a point, px.
-    #[must_use]
     pub fn classify(&self, at: ImagePoint) -> PixelContent {
         match self.cells.at(at) {
             flags if flags & STROKE != 0 => PixelContent::Stroke,
@@ -90,7 +88,6 @@ impl MarkingPixels {
     }
 
     /// Width and height of the picture, px.
-    #[must_use]
     pub const fn size(&self) -> ImageSize {
         self.cells.size
     }

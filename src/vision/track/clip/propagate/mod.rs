@@ -74,7 +74,6 @@ pub struct PropagatedClip {
 /// result from the nearest known frame.
 ///
 /// If several priors name one frame, the first of them is its known camera.
-#[must_use]
 pub fn propagate(
     camera: &ClipCamera,
     tracks: &PointTracks,
