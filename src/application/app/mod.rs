@@ -37,7 +37,7 @@ mod window_state;
 pub use action::{
     Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction,
 };
-pub use commands::command::{Command, CommandKind, MenuGroup};
+pub use commands::command::{Command, CommandKind, CommandNeeds, MenuGroup};
 pub use commands::guide;
 pub use commands::keymap::{Chord, ChordError, Keymap};
 pub use commands::synonyms;
