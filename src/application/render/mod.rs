@@ -9,10 +9,6 @@
 mod canvas;
 mod fill;
 mod gpu;
-mod group;
-mod heat;
-mod layer;
-mod marker;
 mod mipmap;
 mod offscreen;
 mod picture;
@@ -23,11 +19,10 @@ mod text;
 mod view;
 
 pub use gpu::Gpu;
-pub use layer::{Layer, PictureKey, PictureLayer};
 pub use offscreen::{AdapterReport, Offscreen, RenderError};
 pub use picture::SMOOTH_UP_TO_SCALE;
 pub use renderer::{CanvasId, Renderer};
-pub use view::View;
+pub use view::{Layer, PictureKey, PictureLayer, View};
 
 /// Begins a pass that clears one target and draws on it.
 fn begin_pass<'encoder>(

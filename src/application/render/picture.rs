@@ -1,9 +1,8 @@
 //! Frames on the GPU: uploaded once and kept while they are likely to be shown again.
 
 use super::gpu::{Gpu, bind_texture, create_texture};
-use super::layer::{PictureKey, PictureLayer};
 use super::mipmap::MipmapMaker;
-use super::view::View;
+use super::view::{PictureKey, PictureLayer, View};
 use bytemuck::{Pod, Zeroable};
 use image::RgbaImage;
 use lru::LruCache;

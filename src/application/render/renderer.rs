@@ -2,10 +2,9 @@
 
 use super::canvas::Canvas;
 use super::gpu::Gpu;
-use super::layer::Layer;
 use super::picture::PictureCache;
 use super::pipelines::Pipelines;
-use super::view::View;
+use super::view::{Layer, View};
 use std::collections::BTreeMap;
 
 /// One surface that layers are drawn on: the viewport, the loupe, the field map.

@@ -10,32 +10,51 @@
 //! Temporary files are created here too, so that all have the same kind of name and stray ones can
 //! be removed.
 
-mod named_file;
-mod plain;
 mod regular_file;
 mod replace;
 mod temporary;
 
-pub use plain::plain;
-pub use regular_file::WrongKind;
-pub use replace::NotReplaced;
-// For the crates above alone: no promise to other programs.
 #[doc(hidden)]
-pub use {
-    named_file::{open_named, read_named, read_named_text},
-    plain::is_control,
-    regular_file::{
-        NotReadable, open_regular, read_regular, read_regular_within, refuse_linked_folder,
-    },
-    replace::{
-        IsReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files,
-        refuse_part_of_project, replace_folder,
-    },
-    temporary::{remove_stray_files, temporary_file_in, temporary_folder_in, temporary_link_to},
-};
+pub use regular_file::NotReadable;
+pub use regular_file::WrongKind;
+#[doc(hidden)]
+pub use regular_file::open_named;
+#[doc(hidden)]
+pub use regular_file::open_regular;
+#[doc(hidden)]
+pub use regular_file::read_named;
+#[doc(hidden)]
+pub use regular_file::read_named_text;
+#[doc(hidden)]
+pub use regular_file::read_regular;
+#[doc(hidden)]
+pub use regular_file::read_regular_within;
+#[doc(hidden)]
+pub use regular_file::refuse_linked_folder;
+pub use replace::NotReplaced;
+#[doc(hidden)]
+pub use replace::follow_link;
+#[doc(hidden)]
+pub use replace::refuse_other_files;
+#[doc(hidden)]
+pub use replace::refuse_part_of_project;
+#[doc(hidden)]
+pub use replace::replace_folder;
+#[doc(hidden)]
+pub use replace::{IsReplaced, PROJECT_FILE, PROJECT_SUFFIX};
+#[doc(hidden)]
+pub use temporary::remove_stray_files;
+#[doc(hidden)]
+pub use temporary::temporary_file_in;
+#[doc(hidden)]
+pub use temporary::temporary_folder_in;
+#[doc(hidden)]
+pub use temporary::temporary_link_to;
 
 use std::io::{Error, ErrorKind};
 use std::path::Path;
+
+// For the crates above alone: no promise to other programs.
 
 /// The folder that a path lies in.
 #[doc(hidden)]
@@ -53,5 +72,49 @@ pub fn way_out(error: &Error) -> &'static str {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "; free some space, or save elsewhere",
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "; save elsewhere",
         _ => "",
+    }
+}
+
+/// A text without control characters, and without characters that change the writing direction.
+pub fn plain(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for letter in text.chars() {
+        if is_control(letter) {
+            plain.extend(letter.escape_default());
+        } else {
+            plain.push(letter);
+        }
+    }
+    plain
+}
+
+/// Whether a terminal or a text view obeys a character instead of showing it.
+pub fn is_control(letter: char) -> bool {
+    // Beside the control characters: the marks, embeddings, overrides and isolates of Unicode's
+    // bidirectional algorithm (UAX 9), characters of zero width, line and paragraph separators.
+    letter.is_control()
+        || matches!(
+            letter,
+            '\u{61c}'
+                | '\u{200b}'..='\u{200f}'
+                | '\u{2028}'..='\u{202e}'
+                | '\u{2060}'..='\u{2069}'
+                | '\u{feff}'
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_that_change_the_direction_of_writing_are_escaped() {
+        for mark in [
+            '\u{61c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202e}', '\u{2060}', '\u{2066}',
+            '\u{2069}',
+        ] {
+            let escaped = format!("a{}gpj.exe", mark.escape_default());
+            assert_eq!(plain(&format!("a{mark}gpj.exe")), escaped);
+        }
     }
 }

@@ -1,7 +1,9 @@
-//! Points, sizes and boxes in a picture.
+//! Points, segments, ellipses, sizes and boxes in a picture.
 
 use super::Vec2;
+use nalgebra::{Matrix2, SVector, SymmetricEigen};
 use serde::Serialize;
+use std::f64::consts::TAU;
 
 /// A point of a picture, px, corner convention: (0, 0) is the top-left corner, x right, y down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -201,9 +203,72 @@ impl PixelBox {
     }
 }
 
+/// The distance of a point from the segment between two ends, in any number of dimensions; a
+/// segment of zero length is a point.
+pub fn distance_from_segment<const D: usize>(
+    point: SVector<f64, D>,
+    [from, to]: [SVector<f64, D>; 2],
+) -> f64 {
+    let (along, offset) = (to - from, point - from);
+    (offset - along * share_along(offset, along)).norm()
+}
+
+/// Where the foot of a point lies on a segment, as a share of its length from 0 to 1; both are
+/// vectors from the segment's beginning.
+fn share_along<const D: usize>(offset: SVector<f64, D>, along: SVector<f64, D>) -> f64 {
+    // The foot of the perpendicular is clamped to the segment: beyond an end, the end is nearest.
+    let length_squared = along.norm_squared();
+    if length_squared > 0.0 {
+        (offset.dot(&along) / length_squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+impl ImagePoint {
+    /// The distance from the segment between two points, px.
+    pub fn distance_from_segment_px(self, from: Self, to: Self) -> f64 {
+        distance_from_segment(
+            self.offset_from(from),
+            [super::Vec2::zeros(), to.offset_from(from)],
+        )
+    }
+
+    /// The distance from a polyline, px; infinite if that has fewer than two points.
+    pub fn distance_from_polyline_px(self, polyline: &[Self]) -> f64 {
+        polyline
+            .windows(2)
+            .map(|ends| self.distance_from_segment_px(ends[0], ends[1]))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The point of the segment between two points that is nearest to this one.
+    #[must_use]
+    pub fn nearest_on_segment(self, from: Self, to: Self) -> Self {
+        let along = to.offset_from(from);
+        from.translate(along * share_along(self.offset_from(from), along))
+    }
+}
+
+/// The 1-σ ellipse of a covariance as offsets from its centre, in the unit of the covariance's
+/// root: `corners` points, evenly spread in the angle of the unit circle that the ellipse is the
+/// image of. Where rounding left a variance below zero it counts as zero.
+pub fn covariance_ellipse(covariance: Matrix2<f64>, corners: u32) -> Vec<Vec2> {
+    // C = V diag(λ) Vᵀ, so V diag(√λ) takes the unit circle to the 1-σ ellipse.
+    let axes = SymmetricEigen::new(covariance);
+    let radii = axes.eigenvalues.map(|value| value.max(0.0).sqrt());
+    (0..corners)
+        .map(|step| {
+            let angle = f64::from(step) / f64::from(corners) * TAU;
+            axes.eigenvectors * Vec2::new(radii.x * angle.cos(), radii.y * angle.sin())
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Vec3;
 
     #[test]
     fn a_picture_cut_from_a_wider_one_keeps_its_scale() {
@@ -222,5 +287,60 @@ mod tests {
                 assert!((cut.scale_from_1920() - scale).abs() < 1e-12, "{cut:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_nearest_point_is_the_foot_or_an_end() {
+        let ends = [ImagePoint::new(10.0, 5.0), ImagePoint::new(30.0, 5.0)];
+        for (at, nearest) in [
+            ((20.0, 9.0), (20.0, 5.0)),
+            ((7.0, 1.0), (10.0, 5.0)),
+            ((34.0, 8.0), (30.0, 5.0)),
+        ] {
+            let found = ImagePoint::new(at.0, at.1).nearest_on_segment(ends[0], ends[1]);
+            assert_eq!((found.x, found.y), nearest);
+        }
+        let point = ImagePoint::new(13.0, 9.0).nearest_on_segment(ends[0], ends[0]);
+        assert_eq!(point, ends[0], "a segment without length");
+    }
+
+    #[test]
+    fn beside_beyond_and_a_segment_without_length() {
+        let ends = [ImagePoint::new(10.0, 5.0), ImagePoint::new(30.0, 5.0)];
+        let distance = |x, y| ImagePoint::new(x, y).distance_from_segment_px(ends[0], ends[1]);
+        assert_eq!(
+            (distance(20.0, 9.0), distance(7.0, 1.0), distance(34.0, 8.0)),
+            (4.0, 5.0, 5.0)
+        );
+        assert_eq!(
+            ImagePoint::new(13.0, 9.0).distance_from_segment_px(ends[0], ends[0]),
+            5.0
+        );
+        assert_eq!(
+            distance_from_segment(Vec3::z(), [Vec3::zeros(), Vec3::x()]),
+            1.0
+        );
+    }
+
+    #[test]
+    fn every_corner_lies_one_sigma_out() {
+        let covariance = Matrix2::new(4.0, 1.2, 1.2, 0.9);
+        let inverse = covariance.try_inverse().unwrap();
+        for corner in covariance_ellipse(covariance, 48) {
+            assert!(
+                (corner.dot(&(inverse * corner)) - 1.0).abs() < 1e-12,
+                "{corner:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_covariance_of_rank_one_is_a_line() {
+        let flat = covariance_ellipse(Matrix2::new(9.0, 0.0, 0.0, -1e-18), 8);
+        assert!(flat.iter().all(|corner| corner.y == 0.0));
+        assert!(
+            flat.iter()
+                .any(|corner| (corner.x.abs() - 3.0).abs() < 1e-12)
+        );
     }
 }

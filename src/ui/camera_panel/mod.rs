@@ -13,12 +13,9 @@ mod over_time;
 mod position_view;
 
 use super::{Panel, inspector};
-use crate::ui::controls::heading::Heading;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
-use crate::ui::controls::theme::section;
+use crate::ui::controls::theme::{Themed as _, section};
+use crate::ui::controls::{Heading, symbol, theme};
 use crate::ui::maps::paint_map;
 use egui::{Button, Frame, Label, Margin, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::{Action, Command, EditAction};

@@ -9,7 +9,7 @@ use touchline_application::app::{Action, EditAction};
 use touchline_calibration::proposals::BatchId;
 
 /// Shows the dialog. `frames` is the number of frames that show the batch.
-pub fn show(panel: &mut Panel<'_>, ctx: &Context, batch: BatchId, frames: usize) {
+pub fn show_discard_batch(panel: &mut Panel<'_>, ctx: &Context, batch: BatchId, frames: usize) {
     let title = format!("Discard the suggestions of {frames} frames?");
     sheet(panel, ctx, &title, vec2(460.0, 180.0), |panel, ui| {
         let what = "They show again what was suggested before, or nothing. Frames that you have \

@@ -1,31 +1,23 @@
 //! Dialogs. At most one is open at a time.
 //!
 //! Most are sheets in the middle of the darkened window. They close with Escape or a click beside
-//! them, and Tab stays within them. The dialogs about appearance (`overlay_style.rs`,
-//! `picture_look.rs`) leave the window bright and usable, so that their effect is seen.
+//! them, and Tab stays within them. The dialogs about appearance (`overlay_style.rs`) leave the window bright and usable, so that their effect is seen.
 
 mod about;
 mod accept_all;
 mod assign;
-mod changed_outside;
-mod comment;
 mod discard_batch;
 mod found_camera;
 mod fuzzy;
-mod go_to;
 mod guide;
 mod keys;
-mod messages;
-mod not_saved;
-mod orphans;
+mod other_versions;
 mod overlay_style;
 mod palette;
-mod path;
-mod picture_look;
 mod preferences;
 mod sport;
-mod swatches;
 mod transfer;
+mod typed;
 
 pub use keys::captures_keys;
 
@@ -48,25 +40,25 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::Palette) => palette::show(panel, ctx),
         Some(Dialog::Keys) => keys::show(panel, ctx),
         Some(Dialog::About) => about::show(panel, ctx),
-        Some(Dialog::Messages) => messages::show(panel, ctx),
+        Some(Dialog::Messages) => about::show_messages(panel, ctx),
         Some(Dialog::Sport) => sport::show(panel, ctx),
         Some(Dialog::Guide { page, behind }) => guide::show(panel, ctx, page, behind.is_some()),
         Some(Dialog::Preferences) => preferences::show(panel, ctx),
-        Some(Dialog::PictureLook) => picture_look::show(panel, ctx),
+        Some(Dialog::PictureLook) => overlay_style::show_picture_look(panel, ctx),
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::DiscardBatch { batch, frames }) => {
-            discard_batch::show(panel, ctx, batch, frames);
+            discard_batch::show_discard_batch(panel, ctx, batch, frames);
         }
-        Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
+        Some(Dialog::Comment(comment)) => typed::show_comment(panel, ctx, &comment),
         Some(Dialog::FoundCamera) => found_camera::show(panel, ctx),
-        Some(Dialog::GoToPlace) => go_to::show(panel, ctx),
+        Some(Dialog::GoToPlace) => typed::show_go_to(panel, ctx),
         Some(Dialog::AssignToCamera(scope)) => assign::show(panel, ctx, scope),
-        Some(Dialog::Path(question)) => path::show(panel, ctx, question),
-        Some(Dialog::ChangedOutside) => changed_outside::show(panel, ctx),
+        Some(Dialog::Path(question)) => typed::show_path(panel, ctx, question),
+        Some(Dialog::ChangedOutside) => other_versions::show_changed_outside(panel, ctx),
         Some(Dialog::Transfer) => transfer::show(panel, ctx),
-        Some(Dialog::Orphans) => orphans::show(panel, ctx),
-        Some(Dialog::NotSaved(leaving)) => not_saved::show(panel, ctx, &leaving),
+        Some(Dialog::Orphans) => other_versions::show_orphans(panel, ctx),
+        Some(Dialog::NotSaved(leaving)) => other_versions::show_not_saved(panel, ctx, &leaving),
     }
 }
 

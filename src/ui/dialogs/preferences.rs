@@ -1,6 +1,7 @@
 //! All settings of the user, as opposed to those of a project.
 
-use super::{sheet, swatches};
+use super::overlay_style::show_swatches;
+use super::sheet;
 use crate::ui::Panel;
 use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
@@ -175,7 +176,7 @@ fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
                 ui.label(sport.name);
                 let chosen = panel.app.settings.overlay_of(sport.id).colour;
                 if let Some(taken) =
-                    swatches::show(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen)
+                    show_swatches(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen)
                 {
                     panel
                         .actions

@@ -5,7 +5,7 @@
 //!
 //! | card | file |
 //! |---|---|
-//! | pan, tilt and focal length over time | `course.rs`, `course_plots.rs`, `time.rs` |
+//! | pan, tilt and focal length over time | `course.rs`, `course_plots.rs` |
 //! | errors of clicks; by landmark and line | `errors.rs`, `targets.rs` |
 //! | where frames look | `coverage.rs` |
 //! | the annotator's own click noise | `gold.rs`, `scatter.rs` |
@@ -22,12 +22,10 @@ mod gold;
 mod legend;
 mod scatter;
 mod targets;
-mod time;
 
 use super::Panel;
-use crate::ui::controls::heading::Heading;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{Heading, theme};
 use egui::layers::ShapeIdx;
 use egui::{Align, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
 use touchline_application::app::{Action, Command, ViewAction};

@@ -4,11 +4,9 @@
 mod list;
 
 use super::{Panel, inspector};
-use crate::ui::controls::heading::Heading;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{Heading, symbol, theme};
 use egui::{Button, DragValue, Frame, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Action, Command, ViewAction};

@@ -25,14 +25,11 @@ mod binary;
 mod black_bars;
 mod burnt_in;
 mod cache;
-mod camera_views;
 mod descriptor;
 mod displaced;
 mod edge_groups;
 mod error;
 mod extract;
-mod grid;
-mod keypoint;
 mod options;
 mod reduced;
 #[cfg(feature = "opencv")]
@@ -40,24 +37,21 @@ mod sift;
 mod spread;
 mod standing;
 mod standing_edges;
-mod standing_graphic;
 
 pub use burnt_in::burnt_in;
 pub use cache::{FeatureCache, FeatureKey};
-pub use descriptor::{DESCRIPTOR_BYTES, Descriptor};
+pub use descriptor::{DESCRIPTOR_BYTES, Descriptor, Features, Keypoint};
 pub(crate) use descriptor::{MAX_MATCH_SQUARED_DISTANCE, Sketch};
 pub use error::FeatureError;
 pub use extract::extract;
-pub(crate) use grid::{cell_in_grid, count_cells};
-pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
+pub(crate) use spread::{cell_in_grid, count_cells};
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
     binary::BinaryDescriptor, binary::BinaryFeatures, binary::BinaryKind, binary::extract_binary,
-    burnt_in::BurntIn, burnt_in::BurntInGraphic, descriptor::DESCRIPTOR_NORM,
-    descriptor::MAX_SQUARED_DISTANCE, extract::opencv_version, reduced::ReducedPicture,
-    reduced::has_moved, spread::spread, standing_edges::standing_graphics,
-    standing_graphic::StaticGraphic,
+    burnt_in::BurntIn, burnt_in::BurntInGraphic, burnt_in::StaticGraphic,
+    descriptor::DESCRIPTOR_NORM, descriptor::MAX_SQUARED_DISTANCE, extract::opencv_version,
+    reduced::ReducedPicture, reduced::has_moved, spread::spread, standing_edges::standing_graphics,
 };

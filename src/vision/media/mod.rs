@@ -20,10 +20,8 @@ mod cache;
 mod cached_reader;
 mod digest;
 mod error;
-mod folder;
 mod grey;
 mod image_file;
-mod jpeg_end;
 mod notice;
 mod picture;
 mod prefetch;
@@ -47,10 +45,10 @@ pub use {
     cache::FrameCache,
     cached_reader::{CachedReader, KEPT_BYTES},
     digest::{sha256_of_bytes, sha256_of_file, video_file_id},
-    folder::{FolderListing, list_images},
     image_file::{ImageLimits, image_size, load_image, load_image_within},
     prefetch::{PrefetchOptions, StepDirection, prefetch_plan},
     source::FrameSource,
+    source::{FolderListing, list_images},
     stream::{FrameStream, StreamedFrame},
     thumbnail::{THUMBNAIL_SIZE, letterbox},
 };

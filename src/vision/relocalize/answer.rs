@@ -1,8 +1,8 @@
 //! Relocalization: from the features of a picture to its camera.
 
+use super::pose::NotFound;
 use super::{
-    CERTAIN, Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange,
-    pose_of_moving,
+    CERTAIN, Forest, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_of_moving,
 };
 use crate::features::Features;
 use std::time::{Duration, Instant};

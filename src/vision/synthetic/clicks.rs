@@ -1,6 +1,6 @@
 //! Clicks as a careful annotator would place them on a drawn frame.
 
-use super::noise::{hash, sub_seed, unit};
+use super::texture::{hash, sub_seed, unit};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, LandmarkId, LineId};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec2, Vec3};

@@ -1,11 +1,11 @@
 //! The broadcaster's graphics: laid over the picture, always in the same place.
 
 use super::body::Kits;
-use super::colour::{Light, decode, encode, hex, mix};
 use super::coverage::inside;
-use super::noise::{smooth_walk, sub_seed};
+use super::light::{Light, decode, encode, hex, mix};
 use super::options::{Graphics, scale_from_1280};
 use super::text::{GlyphCoverage, rasterise};
+use super::texture::{smooth_walk, sub_seed};
 use image::RgbImage;
 use touchline_core::geometry::{ImageSize, PixelBox};
 

@@ -1,9 +1,9 @@
 //! How a camera operator follows the play.
 
 use super::Stadium;
-use super::noise::{hash, smooth_walk, sub_seed, unit};
 use super::options::{CameraMotion, FrameOptions, ShootOptions, scale_from_1280};
 use super::play::Play;
+use super::texture::{hash, smooth_walk, sub_seed, unit};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{Angle, ImageSize, Vec3};
 

@@ -1,8 +1,8 @@
 //! A frame: rays for what stands still, finer at edges; then shadows, people, goals and nets; then
 //! the camera.
 
-use super::colour::Light;
 use super::lens::{Exposure, Pixel, still};
+use super::light::Light;
 use super::options::FrameOptions;
 use super::play::Side;
 use super::props::{Mover, Prop, movers};

@@ -3,15 +3,14 @@
 use super::boards::Boards;
 use super::body::Kits;
 use super::bowl::{Bowl, BowlHit};
-use super::colour::Light;
 use super::crowd::Crowd;
 use super::grass::Ground;
-use super::light::Lighting;
-use super::noise::sub_seed;
+use super::light::{Light, Lighting};
 use super::options::{Moment, StadiumOptions};
 use super::play::Play;
 use super::props::{Prop, fixtures};
 use super::ray::{PlaneHit, Ray};
+use super::texture::sub_seed;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 

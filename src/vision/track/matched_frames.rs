@@ -1,9 +1,10 @@
 //! Joint adjustment of matched frames of a camera with a known base: a prior of each frame's pan,
 //! tilt and focal length, and the matches with its neighbours.
 
-use super::ViewGraphEdge;
-use super::pose_prior::{PosePrior, by_focal_px};
-use super::pose_problem::{AdjustedFrame, PairwiseMatches, PoseProblem, PoseState};
+use super::cycles::ViewGraphEdge;
+use super::pose_problem::{
+    AdjustedFrame, PairwiseMatches, PosePrior, PoseProblem, PoseState, by_focal_px,
+};
 use super::relative_rotations::stop_after;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{ImageSize, subsample};

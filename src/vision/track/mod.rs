@@ -13,12 +13,11 @@
 //!
 //! # Files
 //!
-//! * Matching: `pairs.rs` (two frames) with `matches.rs` (descriptors) and `homography.rs`
-//!   (OpenCV), `cycles.rs` (pairs against each other), `group.rs`.
+//! * Matching: `pairs.rs` (two frames), `cycles.rs` (pairs against each other).
 //! * Without a base: `relative_rotations.rs` from a start by `start.rs`, with the problem in
-//!   `edge_problem.rs`, its residual in `edge_residual.rs`, and the pan axis in `axis.rs`.
+//!   `edge_problem.rs`, its residual in `edge_residual.rs`.
 //! * With a base: `pose_problem.rs` states the problem of `matched_frames.rs` and of
-//!   `clip/adjust.rs`; `pose_equations.rs` and `envelope.rs` solve it; `pose_prior.rs` is its
+//!   `clip/adjust.rs`; `pose_equations.rs` and `envelope.rs` solve it; `pose_problem.rs` has its
 //!   prior.
 //!
 //! Parameters of a frame are pan (rad), tilt (rad) and ln f: a zoom by a factor is then a step of
@@ -29,7 +28,6 @@
 //!
 //! Frames, signs and units: [`touchline_core::conventions`].
 
-mod axis;
 mod clip;
 mod cuts;
 mod cycles;
@@ -37,23 +35,18 @@ mod edge_problem;
 mod edge_residual;
 mod envelope;
 mod error;
-mod group;
-mod homography;
 mod matched_frames;
-mod matches;
 mod pairs;
 mod pose_equations;
-mod pose_prior;
 mod pose_problem;
 mod relative_rotations;
 mod start;
-mod view_graph_edge;
 
 pub use clip::{AdjustOptions, AdjustedClip, FollowOptions, Jitter, PropagateOptions};
+pub use cycles::ViewGraphEdge;
+pub use cycles::groups;
 pub use error::TrackError;
-pub use group::groups;
 pub use pose_problem::AdjustedFrame;
-pub use view_graph_edge::ViewGraphEdge;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
@@ -64,6 +57,6 @@ pub use {
     cuts::{FoundCut, find_cuts},
     matched_frames::{adjust_matched_frames, fill_missing_cameras},
     pairs::match_frames_pairwise,
-    pose_prior::{PosePrior, PriorSource},
+    pose_problem::{PosePrior, PriorSource},
     relative_rotations::{RelativeRotations, TurnOptions, adjust_rotations},
 };

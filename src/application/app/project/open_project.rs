@@ -5,7 +5,7 @@
 //! users' work alone.
 
 use super::derived::{Derived, FrameCounts};
-use super::prepared::Prepared;
+use super::opened::Prepared;
 use crate::app::Versioned;
 use crate::app::effect::Snapshot;
 use std::path::PathBuf;

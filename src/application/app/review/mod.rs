@@ -9,12 +9,10 @@
 //! |---|---|
 //! | `row.rs` | a row, and the orders of rows |
 //! | `refresh.rs` | how the list follows the document |
-//! | `held.rs` | how it does so while it is held |
 //! | `stretch.rs` | a stretch of frames that is accepted together |
 //!
 //! Here are the list itself and what is accepted from it together.
 
-mod held;
 mod refresh;
 mod row;
 mod stretch;
@@ -23,7 +21,7 @@ pub use row::{DISAGREES_PX, ReviewRow, disagrees, percent};
 pub(super) use stretch::{AcceptQuestion, Stretch};
 pub use stretch::{LeftFrames, LeftReason};
 
-pub use crate::app::window_state::review_choice::{ReviewChoice, ReviewOrder};
+pub use crate::app::window_state::choices::{ReviewChoice, ReviewOrder};
 
 use self::refresh::Source;
 use self::row::doubtful_first;

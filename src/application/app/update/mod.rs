@@ -4,7 +4,7 @@
 //!
 //! 1. The action itself: `actions.rs` and `commands.rs` dispatch it to the file of its subject,
 //!    which lies here or in one of the rooms `clicking`, `documents`, `reviewing`.
-//! 2. Results of operations that waited for the end of the user's change (`requests.rs`).
+//! 2. Results of operations that waited for the end of the user's change (`actions.rs`).
 //! 3. The derived values, from those that others depend on to those that depend on them.
 //! 4. What follows from the new state: the next step of the tour, operations that start without a
 //!    command, orders to the trainer, templates that must be read.
@@ -20,11 +20,8 @@ mod actions;
 mod clicking;
 mod commands;
 mod documents;
-mod guide;
 mod playing;
-mod requests;
 mod reviewing;
-mod settings;
 mod tour;
 mod trainer;
 

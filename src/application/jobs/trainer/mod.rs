@@ -14,7 +14,7 @@
 //!
 //! | step | when | file |
 //! |---|---|---|
-//! | recall a stored forest | once, before the first training | `kept_forest.rs` |
+//! | recall a stored forest | once, before the first training | `backend.rs` |
 //! | train | the training set is new and older than [`TrainerOptions::settle`] | `backend.rs` |
 //! | show features | the user looks at the features of a frame | `backend.rs` |
 //! | query the forest near the shown frame and once per shot | no answer yet | `answer_cache.rs` |
@@ -32,8 +32,6 @@
 
 mod answer_cache;
 mod backend;
-mod given_answers;
-mod kept_forest;
 mod mailbox;
 #[cfg(test)]
 mod tests;

@@ -9,12 +9,10 @@ use super::scatter::Scatter;
 use super::shared_prior::SharedPrior;
 use crate::camera::Ptz;
 use crate::geometry::median;
-use crate::solve::Loss;
 use crate::solve::optimiser::least_squares::{
-    BlockEquations, BorderedEquations, BorderedStep, Minimum, Problem, Stopping, minimise,
+    BlockEquations, BorderedEquations, BorderedStep, Minimum, Problem, Residual, Stopping, minimise,
 };
-use crate::solve::optimiser::residual::Residual;
-use crate::solve::refine;
+use crate::solve::{Loss, refine};
 use nalgebra::SMatrix;
 
 /// A bundle adjustment with `SHARED` shared parameters.

@@ -2,16 +2,14 @@
 //! summarised in `summary.rs`.
 
 use super::adjust::{adjust_base, cameras_with_clicks};
-use super::cross_validation::{CrossValidation, Errors, FOLDS, MIN_FRAMES};
-use super::model_choice::choose;
+use super::cross_validation::{CrossValidation, Errors, FOLDS, MIN_FRAMES, choose};
 use super::one_more::one_more_frame;
 use super::pixel_aspect::AspectTest;
-use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::summary::{BaseEstimate, ChosenFit, distances, frame_fit, summary};
 use super::{
-    AdjustOptions, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel, FrameClicks,
-    HeldOutErrors, LensModel, ModelReason, Prescribed,
+    AdjustOptions, Adjustments, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel,
+    FrameClicks, HeldOutErrors, LensModel, ModelReason, Prescribed,
 };
 use crate::camera::{CameraBase, Ptz};
 use crate::field::FieldModel;

@@ -5,7 +5,7 @@ use crate::camera::CameraBase;
 use crate::field::FieldElement;
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use crate::solve::Loss;
-use crate::solve::optimiser::residual::{Linearised, Residual};
+use crate::solve::optimiser::least_squares::{Linearised, Residual};
 use nalgebra::{SMatrix, SVector};
 
 /// A Gaussian prior of one number.

@@ -7,4 +7,3 @@ pub mod derivatives;
 pub mod graduated;
 pub mod least_squares;
 pub mod loss;
-pub mod residual;

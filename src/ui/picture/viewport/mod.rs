@@ -3,7 +3,7 @@
 //! A frame of the window has two steps. [`read`] makes actions of the pointer before anything is
 //! drawn, so that the overlay follows a dragged point without a delay of one frame. [`show`] then
 //! draws, from back to front: picture, uncertainty, field and clicks (`scene.rs`), names
-//! (`labels.rs`), proposed landmarks (`trust.rs`), image features (`features.rs`), texts
+//! (`labels.rs`), proposed landmarks (`trust.rs`), texts
 //! (`hints.rs`), masks, the loupe, and the list of names for a new click (`naming.rs`). In a blind
 //! round `blind.rs` draws in its place.
 //!
@@ -11,7 +11,6 @@
 //! between them.
 
 mod blind;
-mod features;
 mod hints;
 mod pointer;
 mod scene;
@@ -20,7 +19,7 @@ mod wheel;
 
 use super::{loupe, masks, naming};
 use crate::ui::controls::theme;
-use crate::ui::drawing::overlay::Overlay;
+use crate::ui::drawing::canvas::Overlay;
 use crate::ui::drawing::placement::Placement;
 use crate::ui::drawing::{canvas, labels};
 use crate::ui::rows::tools;
@@ -297,7 +296,7 @@ fn show_frame(
     // What egui draws over it.
     labels::paint(&painter, placement, overlay.labels());
     trust::propose(panel, ui, &painter, placement);
-    features::show(panel.app, &painter, placement);
+    scene::show_features(panel.app, &painter, placement);
     hints::over_picture(panel, ui, placement);
     trust::legend(panel, &painter, placement);
     cursor(panel, ui, placement, hold);

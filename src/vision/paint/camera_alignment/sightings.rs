@@ -2,7 +2,7 @@
 //! the picture shows across each.
 
 use crate::paint::GroundPicture;
-use crate::paint::ridges::across::{Across, Ridge};
+use crate::paint::ridges::profile::{Across, Ridge};
 use crate::paint::ridges::ridge::RidgeFinder;
 use crate::paint::turf::surface::GroundPart;
 use std::ops::Range;

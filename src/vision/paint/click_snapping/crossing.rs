@@ -17,7 +17,7 @@
 //! [`gauss_newton_step`]: touchline_core::solve::gauss_newton_step
 
 use super::placed_point::LINE_SIGMA_PX;
-use crate::paint::ridges::across::Ridge;
+use crate::paint::ridges::profile::Ridge;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector1};
 use touchline_core::field::FieldElement;
 use touchline_core::geometry::Vec2;

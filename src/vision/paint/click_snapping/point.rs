@@ -17,7 +17,7 @@ use super::crossing::{
 use super::placed_point::{PointSnapOptions, SnappedPoint, lines_through};
 use super::spot::snap_spot;
 use crate::paint::GroundPicture;
-use crate::paint::ridges::across::Across;
+use crate::paint::ridges::profile::Across;
 use crate::paint::ridges::ridge::RidgeFinder;
 use nalgebra::Matrix2;
 use touchline_core::camera::PtzCamera;

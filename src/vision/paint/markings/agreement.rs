@@ -1,8 +1,8 @@
 //! Agreement of a camera's lines with a picture's markings, in both directions: which markings lie
 //! on lines, and which lines show markings.
 
-use super::directions::{cell_at, direction_of, with_neighbours};
 use super::marking_pixels::{MarkingPixels, PixelContent};
+use super::persistent::{cell_at, direction_of, with_neighbours};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};

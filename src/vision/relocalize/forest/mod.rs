@@ -60,10 +60,8 @@
 //! training.
 
 mod file;
-mod leaf;
 mod options;
 mod predict;
-mod samples;
 mod search;
 mod split;
 mod train;
@@ -73,7 +71,9 @@ pub use file::ForestFileError;
 pub(super) use file::{Reader, write_forest};
 pub use options::{PredictOptions, SplitRule, TrainOptions};
 pub use predict::RayCandidate;
-pub use samples::Samples;
 pub use search::Search;
-pub use train::{Stopped, TrainProgress, train, train_without};
+pub use split::Samples;
+pub use train::train;
+pub use train::train_without;
+pub use train::{Stopped, TrainProgress};
 pub use tree::Forest;

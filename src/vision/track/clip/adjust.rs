@@ -1,8 +1,10 @@
 //! The joint adjustment of a clip: pan, tilt and focal length of every frame and the direction of
 //! every tracked point, from all observations and pose priors at once.
 
-use super::super::pose_prior::{PosePrior, PriorSource, apply_offset, by_focal_px, offset};
-use super::super::pose_problem::{AdjustedFrame, PointObservations, PoseProblem, PoseState};
+use super::super::pose_problem::{
+    AdjustedFrame, PointObservations, PosePrior, PoseProblem, PoseState, PriorSource, apply_offset,
+    by_focal_px, offset,
+};
 use super::camera::ClipCamera;
 use super::smooth::smoothed_offsets;
 use super::{PointTrack, PointTracks, PropagatedClip};

@@ -52,15 +52,12 @@ mod camera;
 #[cfg(feature = "opencv")]
 mod flow;
 mod follow;
-mod jitter;
-mod point_tracks;
 mod propagate;
 mod smooth;
 
-pub use adjust::{AdjustOptions, AdjustedClip, adjust_clip};
+pub use adjust::adjust_clip;
+pub use adjust::{AdjustOptions, AdjustedClip};
 pub use camera::{ClipCamera, ClipLens};
-pub use follow::{FollowOptions, PointFollower};
-pub use jitter::Jitter;
-pub use point_tracks::{PointTrack, PointTracks};
+pub use follow::{FollowOptions, PointFollower, PointTrack, PointTracks};
 pub use propagate::{PropagateOptions, PropagatedClip, PropagationStop, propagate};
-pub use smooth::{SmoothOptions, UnsmoothedFrame, smooth};
+pub use smooth::{Jitter, SmoothOptions, UnsmoothedFrame, smooth};

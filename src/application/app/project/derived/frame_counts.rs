@@ -1,7 +1,7 @@
 //! Counts of frames by kind, updated from the frames that change.
 
-use super::memo::Follows;
-use crate::app::window_state::filter::{Filter, is_to_do};
+use super::Follows;
+use crate::app::window_state::choices::{Filter, is_to_do};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_calibration::proposals::is_uncertain;
 use touchline_documents::document::{CameraId, Document, Frame, FrameChanges, FrameStatus, Frames};

@@ -8,4 +8,3 @@ mod proposals;
 mod quality;
 mod review;
 mod stretch;
-mod verdict;

@@ -5,7 +5,7 @@
 use super::{FAR_M, Uncertainty};
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
-use crate::solve::observations::shared_columns::by_shared;
+use crate::solve::observations::shape::by_shared;
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
 /// The 1-σ of the overlay at the worst corner of a frame, split by cause.
