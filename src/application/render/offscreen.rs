@@ -1,9 +1,9 @@
 //! Renders layers into pictures, without a window.
 
 use super::gpu::{Gpu, create_texture};
-use super::renderer::{CanvasId, Renderer};
 use super::text::write_labels;
 use super::view::{Layer, View};
+use super::{CanvasId, Renderer};
 use crate::scene::drawing::Colour;
 use image::RgbaImage;
 use std::fmt;

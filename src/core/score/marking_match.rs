@@ -16,7 +16,7 @@
 //! (`get_polylines`, `evaluate_camera_prediction`).
 
 use super::FieldView;
-use super::view::same_names;
+use super::camera_error::same_names;
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, ImageSize};

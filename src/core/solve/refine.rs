@@ -145,7 +145,8 @@ mod tests {
     use crate::camera::FocalCurve;
     use crate::field::builtin;
     use crate::geometry::{ImagePoint, ImageSize, Mat3};
-    use crate::solve::{check_derivatives, fixtures};
+    use crate::solve::fixtures;
+    use crate::testing::check_derivatives;
     use std::collections::BTreeMap;
 
     #[test]

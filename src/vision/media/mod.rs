@@ -16,7 +16,6 @@
 //!
 //! Pixel coordinates of pictures follow [`touchline_core::conventions`].
 
-mod cache;
 mod cached_reader;
 mod digest;
 mod error;
@@ -42,7 +41,7 @@ pub use video::{CountProgress, FrameClock, Video, VideoBackend, VideoInfo};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    cache::FrameCache,
+    cached_reader::FrameCache,
     cached_reader::{CachedReader, KEPT_BYTES},
     digest::{sha256_of_bytes, sha256_of_file, video_file_id},
     image_file::{ImageLimits, image_size, load_image, load_image_within},

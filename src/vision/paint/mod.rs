@@ -20,7 +20,7 @@
 //! * `ridges`, across one line: `ridge.rs` and `floor_ridge.rs` search (geometry: `profile.rs`) on a
 //!   profile (`profile.rs`, `colours.rs`).
 //! * `camera_alignment`, with a camera: `sightings.rs` searches across all lines. `check.rs`,
-//!   `alignment.rs`, `snap.rs`, `lens.rs` and `sightings.rs` use that.
+//!   `alignment.rs`, `snap.rs` and `sightings.rs` use that.
 //! * `markings`, without a camera: `marking_pixels` finds markings; `evidence.rs` and
 //!   `agreement.rs` compare them with many cameras for `find.rs`; `persistent.rs` combines frames.
 //! * `click_snapping`, at a click: `point.rs` with `crossing.rs`, and `spot.rs` with
@@ -54,8 +54,8 @@ pub use turf::surface::Surface;
 pub use {
     camera_alignment::alignment::{PaintPlace, paint_places},
     camera_alignment::check::{check_lines, overlays_apart_px},
-    click_snapping::placed_point::{PointSnapOptions, SnappedPoint},
     click_snapping::point::snap_point,
+    click_snapping::{PointSnapOptions, SnappedPoint},
     markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent},
     markings::persistent::{GroundDirections, PersistentPoint, persistent_paint},
     ridges::ridge::LineContrast,

@@ -24,7 +24,7 @@
 //! | query the forest between key frames | propagation gave no camera | `answer_cache.rs` |
 //!
 //! Added references let a running training finish; a changed or withdrawn one stops it
-//! (`watch.rs`). After each training, proposals take precedence for as long as the training took,
+//! (`mailbox.rs`). After each training, proposals take precedence for as long as the training took,
 //! at most 20 s, so that a user who accepts without a pause sees results.
 //!
 //! The work runs on threads of its own, one fewer than the machine has: the window keeps one. Work
@@ -35,7 +35,6 @@ mod backend;
 mod mailbox;
 #[cfg(test)]
 mod tests;
-mod watch;
 mod windows;
 mod work;
 

@@ -175,8 +175,8 @@ mod tests {
     use crate::camera::{CameraBase, FocalCurve};
     use crate::field::{FieldModel, builtin};
     use crate::geometry::ImagePoint;
-    use crate::solve::check_derivatives;
     use crate::solve::refine;
+    use crate::testing::check_derivatives;
     use crate::testing::turned_base;
     use nalgebra::SVector;
     use std::collections::BTreeMap;

@@ -189,7 +189,7 @@ mod tests {
     use crate::camera::FocalCurve;
     use crate::field::Crown;
     use crate::geometry::rotation::from_rotation_vector;
-    use crate::solve::check_derivatives;
+    use crate::testing::check_derivatives;
     use crate::testing::turned_base;
 
     #[test]

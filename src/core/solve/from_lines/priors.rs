@@ -180,9 +180,9 @@ impl Residual<1, OF_BASE, 3> for FocalPrior {
 mod tests {
     use super::*;
     use crate::solve::base::parameters::Shared;
-    use crate::solve::check_derivatives;
     use crate::solve::fixtures::base;
     use crate::solve::refine;
+    use crate::testing::check_derivatives;
     use crate::testing::soccer;
 
     #[test]

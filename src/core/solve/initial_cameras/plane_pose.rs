@@ -217,7 +217,7 @@ mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase, PtzCamera};
     use crate::geometry::rotation::angle_between;
-    use crate::solve::check_derivatives;
+    use crate::testing::check_derivatives;
     use crate::testing::{TestBase, base_at};
 
     fn leaning() -> PtzCamera {

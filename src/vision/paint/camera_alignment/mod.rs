@@ -5,7 +5,6 @@
 pub mod alignment;
 pub mod check;
 mod ground_on_field;
-mod lens;
 mod sightings;
 pub mod snap;
 mod unexplained;

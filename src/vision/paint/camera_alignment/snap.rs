@@ -35,11 +35,10 @@
 //! picture; `calibrate::estimate_on_paint` adjusts base and frames together for that.
 
 use super::alignment::{
-    ClickAlignment, LinearisedCamera, RidgeAlignment, StepPx, sample_sigmas_px,
+    ClickAlignment, LinearisedCamera, OwnLens, RidgeAlignment, StepPx, own_lens, sample_sigmas_px,
 };
 use super::check::{check_lines, halves_apart_px, overlays_apart_px};
 use super::ground_on_field::ground_on_field;
-use super::lens::{OwnLens, own_lens};
 use super::sightings::{LineObservations, SamplingDistances};
 use crate::paint::{GroundPicture, LineCheck, SnapError};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};

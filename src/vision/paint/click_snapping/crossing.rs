@@ -16,7 +16,7 @@
 //!
 //! [`gauss_newton_step`]: touchline_core::solve::gauss_newton_step
 
-use super::placed_point::LINE_SIGMA_PX;
+use super::LINE_SIGMA_PX;
 use crate::paint::ridges::profile::Ridge;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector1};
 use touchline_core::field::FieldElement;
@@ -238,7 +238,7 @@ pub(in crate::paint) fn residual_px(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::solve::check_derivatives;
+    use touchline_core::testing::check_derivatives;
 
     #[test]
     fn residuals_change_with_shift_turn_and_offset_as_their_derivatives_say() {

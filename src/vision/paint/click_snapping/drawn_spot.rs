@@ -1,7 +1,7 @@
 //! The template of a point marking as a camera sees it, blurred, and the least-squares problem that
 //! aligns it with a picture.
 
-use super::placed_point::lines_through;
+use super::lines_through;
 use nalgebra::{Matrix2, RowVector4, SMatrix, Vector1, Vector4};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldElement, FieldModel, Landmark};

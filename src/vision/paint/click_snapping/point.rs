@@ -14,8 +14,8 @@ use super::crossing::{
     CrossingAtScale, CrossingLine, CrossingState, MOST_LINES, PaintedSample, meeting_point,
     residual_px,
 };
-use super::placed_point::{PointSnapOptions, SnappedPoint, lines_through};
 use super::spot::snap_spot;
+use super::{PointSnapOptions, SnappedPoint, lines_through};
 use crate::paint::GroundPicture;
 use crate::paint::ridges::profile::Across;
 use crate::paint::ridges::ridge::RidgeFinder;

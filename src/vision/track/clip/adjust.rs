@@ -5,9 +5,8 @@ use super::super::pose_problem::{
     AdjustedFrame, PointObservations, PosePrior, PoseProblem, PoseState, PriorSource, apply_offset,
     by_focal_px, offset,
 };
-use super::camera::ClipCamera;
 use super::smooth::smoothed_offsets;
-use super::{PointTrack, PointTracks, PropagatedClip};
+use super::{ClipCamera, PointTrack, PointTracks, PropagatedClip};
 use touchline_core::camera::{PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::{Mat3, Vec3, median};
 use touchline_core::solve::{Loss, Stopping, minimise};

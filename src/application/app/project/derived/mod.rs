@@ -7,12 +7,12 @@
 //! review list and the quality page depend on these values and on the user's choices.
 
 mod frame_counts;
-mod templates;
 
 pub use frame_counts::FrameCounts;
 
-use self::templates::Templates;
 use crate::app::Versioned;
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 use touchline_calibration::calibrate::{Disagreements, FrameLookup, OwnNoise, can_choose_gold};
 use touchline_calibration::proposals::{Coverage, LabelAdvice, LabelNeeds};
@@ -352,6 +352,81 @@ impl FieldModels {
         })?);
         self.all = Some((field_specs(document), Arc::clone(&fields)));
         Ok(fields)
+    }
+}
+
+/// The state of a template.
+#[derive(Clone, Debug)]
+enum Reading {
+    /// Needed, but not requested yet.
+    Wanted,
+    Requested,
+    Done(Result<Box<Template>, FieldError>),
+}
+
+/// The templates that a document's fields name. The keys are their paths as the document writes
+/// them.
+#[derive(Clone, Debug, Default)]
+struct Templates(BTreeMap<String, Reading>);
+
+impl Templates {
+    /// A field with the click noise that its template states.
+    fn unweighted_field(&mut self, spec: &FieldSpec) -> Result<FieldModel, FieldError> {
+        // Built-in templates are compiled in: the folder is of no importance.
+        if !spec.is_file() {
+            return spec.model(Path::new(""));
+        }
+        let reading = self
+            .0
+            .entry(spec.template.clone())
+            .or_insert(Reading::Wanted);
+        let Reading::Done(template) = reading else {
+            return Err(FieldError::BeingRead {
+                place: spec.template.clone(),
+            });
+        };
+        spec.model_of_template(template.as_ref().map_err(FieldError::clone)?)
+    }
+
+    /// A field with the click noise that a document uses.
+    fn weighted_field(
+        &mut self,
+        document: &Document,
+        spec: &FieldSpec,
+    ) -> Result<FieldModel, FieldError> {
+        let mut field = self.unweighted_field(spec)?;
+        document.weight_clicks(&mut field);
+        Ok(field)
+    }
+
+    /// The templates to be read; each is returned once.
+    fn take_wanted(&mut self) -> Vec<String> {
+        let wanted = self
+            .0
+            .iter_mut()
+            .filter(|(_, reading)| matches!(reading, Reading::Wanted));
+        wanted
+            .map(|(name, reading)| {
+                *reading = Reading::Requested;
+                name.clone()
+            })
+            .collect()
+    }
+
+    /// Requests the templates that could not be read once more.
+    fn want_failed_again(&mut self) {
+        for reading in self
+            .0
+            .values_mut()
+            .filter(|reading| matches!(reading, Reading::Done(Err(_))))
+        {
+            *reading = Reading::Wanted;
+        }
+    }
+
+    /// Stores a template that was read, or the error.
+    fn put(&mut self, name: &str, template: Result<Box<Template>, FieldError>) {
+        self.0.insert(name.to_owned(), Reading::Done(template));
     }
 }
 

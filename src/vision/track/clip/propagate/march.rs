@@ -6,8 +6,7 @@
 //! march leaves it out from then on.
 
 use super::super::super::pose_problem::apply_offset;
-use super::super::camera::ClipCamera;
-use super::super::{PointTrack, PointTracks};
+use super::super::{ClipCamera, PointTrack, PointTracks};
 use super::{Correspondence, KnownFocal, OneFrame, PropagateOptions, PropagationStop};
 use crate::features::count_cells;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};

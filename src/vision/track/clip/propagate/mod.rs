@@ -9,8 +9,7 @@
 mod march;
 
 use super::super::pose_problem::PosePrior;
-use super::PointTracks;
-use super::camera::ClipCamera;
+use super::{ClipCamera, PointTracks};
 use crate::track::pose_problem::{KNOWN_FOCAL_SIGMA, apply_offset};
 use march::March;
 use nalgebra::{SMatrix, SVector};
