@@ -10,7 +10,7 @@ use self::symbol::Symbol;
 use self::theme::Themed as _;
 use super::{Panel, key_in_brackets};
 use egui::{Align, Frame, Layout, Margin, RichText, Ui};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::Command;
 
 /// A title, and at the right end a button that closes the panel or page.
 pub struct Heading<'a> {
@@ -50,7 +50,7 @@ impl Heading<'_> {
                         let key = key_in_brackets(&panel.app.settings.keys, self.command);
                         let tip = format!("Back to the {}.{key}", self.behind);
                         if close.on_hover_text(tip).clicked() {
-                            panel.actions.push(Action::Command(self.command));
+                            panel.run(self.command);
                         }
                         at_end(panel, ui);
                     });

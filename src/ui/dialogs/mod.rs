@@ -6,7 +6,6 @@
 mod about;
 mod accept_all;
 mod assign;
-mod discard_batch;
 mod found_camera;
 mod fuzzy;
 mod guide;
@@ -29,8 +28,8 @@ use egui::{
     Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText,
     Sense, Ui, Vec2, vec2,
 };
+use touchline_application::app::Command;
 use touchline_application::app::session::Dialog;
-use touchline_application::app::{Action, Command, ViewAction};
 
 /// Shows the open dialog, if any.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
@@ -48,7 +47,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::DiscardBatch { batch, frames }) => {
-            discard_batch::show_discard_batch(panel, ctx, batch, frames);
+            accept_all::show_discard_batch(panel, ctx, batch, frames);
         }
         Some(Dialog::Comment(comment)) => typed::show_comment(panel, ctx, &comment),
         Some(Dialog::FoundCamera) => found_camera::show(panel, ctx),
@@ -92,7 +91,7 @@ fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
         ui.painter()
             .rect_filled(all, 0.0, Color32::from_black_alpha(96));
         if response.clicked() {
-            panel.actions.push(Action::View(ViewAction::CloseDialog));
+            panel.close_dialog();
         }
     });
 }
@@ -166,7 +165,7 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
                 palette.weak,
             );
             if close.on_hover_text("Close. (Esc)").clicked() {
-                panel.actions.push(Action::View(ViewAction::CloseDialog));
+                panel.close_dialog();
             }
             to_guide(panel, ui);
         });
@@ -177,7 +176,7 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
 /// The button that closes the dialog without carrying anything out.
 fn cancel(panel: &mut Panel<'_>, ui: &mut Ui, tip: &str) {
     if ui.button("Cancel").on_hover_text(tip).clicked() {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        panel.close_dialog();
     }
 }
 
@@ -186,9 +185,9 @@ fn cancel(panel: &mut Panel<'_>, ui: &mut Ui, tip: &str) {
 fn closing_button(panel: &mut Panel<'_>, ui: &mut Ui, button: Button<'_>, command: Command) {
     let tip = panel.app.settings.keys.tooltip(command);
     if ui.add(button).on_hover_text(tip).clicked() {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        panel.close_dialog();
         if !is_on(panel.app, command) {
-            panel.actions.push(Action::Command(command));
+            panel.run(command);
         }
     }
 }
@@ -210,6 +209,6 @@ fn to_guide(panel: &mut Panel<'_>, ui: &mut Ui) {
         .on_hover_text(tip)
         .clicked()
     {
-        panel.actions.push(Action::Command(Command::Guide));
+        panel.run(Command::Guide);
     }
 }

@@ -26,9 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         });
         controls(ui, &mut style, &format!("1 is solid{hide}."));
         if style != before {
-            panel
-                .actions
-                .push(Action::Settings(SettingsAction::OverlayStyle(style)));
+            panel.set(SettingsAction::OverlayStyle(style));
         }
     });
 }
@@ -252,9 +250,7 @@ pub fn show_picture_look(panel: &mut Panel<'_>, ctx: &Context) {
         });
         ui.label(RichText::new(tip).small().color(ui.palette().weak));
         if look != before {
-            panel
-                .actions
-                .push(Action::Settings(SettingsAction::PictureLook(look)));
+            panel.set(SettingsAction::PictureLook(look));
         }
     });
 }

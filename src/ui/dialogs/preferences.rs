@@ -7,7 +7,7 @@ use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
 use egui::{Button, Context, Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
 use touchline_application::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
-use touchline_application::app::{Action, Command, SettingsAction};
+use touchline_application::app::{Command, SettingsAction};
 use touchline_application::scene::SPORTS;
 
 /// Commands that switch a setting on and off.
@@ -101,9 +101,7 @@ fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .clicked()
                 && before != choice
             {
-                panel
-                    .actions
-                    .push(Action::Settings(SettingsAction::Theme(choice)));
+                panel.set(SettingsAction::Theme(choice));
             }
         }
     });
@@ -119,12 +117,10 @@ fn panel_sizes(panel: &mut Panel<'_>, ui: &mut Ui) {
         .on_disabled_hover_text("The panels have their default sizes.")
         .clicked()
     {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::PanelSizes {
-                side: None,
-                filmstrip: None,
-            }));
+        panel.set(SettingsAction::PanelSizes {
+            side: None,
+            filmstrip: None,
+        });
     }
 }
 
@@ -156,9 +152,7 @@ fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
             });
     });
     if look != before {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::Loupe(look)));
+        panel.set(SettingsAction::Loupe(look));
     }
 }
 
@@ -178,9 +172,7 @@ fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
                 if let Some(taken) =
                     show_swatches(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen)
                 {
-                    panel
-                        .actions
-                        .push(Action::Settings(SettingsAction::LineColour(sport, taken)));
+                    panel.set(SettingsAction::LineColour(sport, taken));
                 }
                 ui.end_row();
             }
@@ -199,9 +191,7 @@ fn memory(panel: &mut Panel<'_>, ui: &mut Ui) {
         );
     });
     if mib != before {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::PictureMemory(mib)));
+        panel.set(SettingsAction::PictureMemory(mib));
     }
 }
 
@@ -231,9 +221,7 @@ fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         });
         if !held && size != known {
-            panel
-                .actions
-                .push(Action::Settings(SettingsAction::TextSize(size)));
+            panel.set(SettingsAction::TextSize(size));
         }
     });
 }
@@ -257,6 +245,6 @@ fn switch(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
         switch.on_disabled_hover_text(why_not.unwrap_or_default());
     });
     if on != before {
-        panel.actions.push(Action::Command(command));
+        panel.run(command);
     }
 }

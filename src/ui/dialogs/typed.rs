@@ -137,9 +137,7 @@ pub fn show_comment(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
                 .clicked()
                 || save
             {
-                panel
-                    .actions
-                    .push(Action::Edit(EditAction::SetComment(typed.clone())));
+                panel.edit(EditAction::SetComment(typed.clone()));
             }
             cancel(panel, ui, "Leave the comment as it was. (Esc)");
         });
@@ -188,9 +186,7 @@ pub fn show_go_to(panel: &mut Panel<'_>, ctx: &Context) {
                 );
                 let go = go.on_hover_text("Show this frame. (Enter)");
                 if let (true, Ok(place)) = (go.clicked() || entered, &place) {
-                    panel
-                        .actions
-                        .push(Action::Navigate(Navigation::GoToPlace(*place)));
+                    panel.navigate(Navigation::GoToPlace(*place));
                 }
                 place
             });

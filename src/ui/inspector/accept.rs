@@ -9,7 +9,7 @@ use egui::{
     Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,
     WidgetInfo, vec2,
 };
-use touchline_application::app::{Action, Command};
+use touchline_application::app::Command;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::FrameStatus;
 
@@ -50,7 +50,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             None => response,
         };
         if response.clicked() {
-            panel.actions.push(Action::Command(Command::Accept));
+            panel.run(Command::Accept);
         }
     });
 }
@@ -67,7 +67,7 @@ fn stretch(panel: &mut Panel<'_>, ui: &mut Ui, count: usize) {
     );
     let about = Command::AcceptStretch.about();
     if response.on_hover_text(about).clicked() {
-        panel.actions.push(Action::Command(Command::AcceptStretch));
+        panel.run(Command::AcceptStretch);
     }
 }
 

@@ -179,9 +179,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
             Action::Command(Command::RenameClick),
         ]);
     } else if response.clicked() || response.secondary_clicked() {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::Select(Some(index))));
+        panel.navigate(Navigation::Select(Some(index)));
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     // The buttons are widgets of their own on top of the row.
@@ -221,9 +219,7 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
         .on_hover_text(format!("Delete this point.{key}"))
         .clicked()
     {
-        panel
-            .actions
-            .push(Action::Edit(EditAction::DeleteClick(index)));
+        panel.edit(EditAction::DeleteClick(index));
     }
     let name = format!("Check point {}", index + 1);
     let on = labels::colour(CHECK);
@@ -232,10 +228,10 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
         .on_hover_text(keys.tooltip(Command::ToggleCheck))
         .clicked()
     {
-        panel.actions.push(Action::Edit(EditAction::SetCheck {
+        panel.edit(EditAction::SetCheck {
             click: index,
             check: !click.check,
-        }));
+        });
     }
 }
 

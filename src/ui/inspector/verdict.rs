@@ -145,12 +145,10 @@ fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
         "By default the forest is not trained with accepted proposals. Use them where no clicked reference looks.",
     );
     if used != before {
-        panel
-            .actions
-            .push(Action::Edit(EditAction::SetUseForTraining {
-                frame: panel.app.session.frame,
-                used,
-            }));
+        panel.edit(EditAction::SetUseForTraining {
+            frame: panel.app.session.frame,
+            used,
+        });
     }
 }
 
@@ -300,10 +298,10 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
                 .clicked()
             {
                 let camera = CameraChoice::Known(better.camera.clone());
-                panel.actions.push(Action::Edit(EditAction::AssignToCamera {
+                panel.edit(EditAction::AssignToCamera {
                     scope: Scope::Frame,
                     camera,
-                }));
+                });
             }
         } else if let Some((command, word)) = mend {
             panel.run_on_click(ui.button(word), command);
@@ -322,9 +320,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
                 .on_hover_text("Show all warnings in the details.")
                 .clicked()
             {
-                panel
-                    .actions
-                    .push(Action::Settings(SettingsAction::Details(true)));
+                panel.set(SettingsAction::Details(true));
             }
         }
     });

@@ -14,8 +14,8 @@ use crate::ui::{
 use egui::{
     Context, CursorIcon, Frame, Id, Margin, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
 };
+use touchline_application::app::SettingsAction;
 use touchline_application::app::session::SidePanel;
-use touchline_application::app::{Action, SettingsAction};
 
 /// Height of the menu row, the row of messages and the status row, points.
 const ROW: f32 = 24.0;
@@ -35,12 +35,7 @@ fn store_panel_sizes(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Op
     let side = size_to_store(edges[0], remembered[0]);
     let filmstrip = size_to_store(edges[1], remembered[1]);
     if [side, filmstrip] != remembered {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::PanelSizes {
-                side,
-                filmstrip,
-            }));
+        panel.set(SettingsAction::PanelSizes { side, filmstrip });
     }
 }
 

@@ -12,11 +12,11 @@ use egui::{
     CornerRadius, CursorIcon, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui,
     WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::ViewAction;
 use touchline_application::app::quality::{
     Course, CoursePoint, PointKind, Quantity, SpanMarks, TimeAxis, thin_points, within_whole,
     zoom_span,
 };
-use touchline_application::app::{Action, ViewAction};
 use touchline_core::geometry::Angle;
 use touchline_documents::report::figure::Ruler;
 
@@ -203,11 +203,9 @@ impl CoursePlots {
             (factor, moved) = (f64::from(zoom), moved + f64::from(scrolled));
             if factor != 1.0 {
                 let around = self.plots[0].x_at(pointer.x);
-                panel
-                    .actions
-                    .push(Action::View(ViewAction::ShowSpan(zoom_span(
-                        self.span, whole, around, factor,
-                    ))));
+                panel.view(ViewAction::ShowSpan(zoom_span(
+                    self.span, whole, around, factor,
+                )));
             }
             let icon = match under {
                 _ if self.response.dragged() && is_part => CursorIcon::Grabbing,
@@ -220,7 +218,7 @@ impl CoursePlots {
         if moved != 0.0 && factor == 1.0 && is_part {
             let by = moved * per_point;
             let span = within_whole([self.span[0] - by, self.span[1] - by], whole);
-            panel.actions.push(Action::View(ViewAction::ShowSpan(span)));
+            panel.view(ViewAction::ShowSpan(span));
         }
     }
 }

@@ -28,7 +28,7 @@ use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{Heading, theme};
 use egui::layers::ShapeIdx;
 use egui::{Align, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
-use touchline_application::app::{Action, Command, ViewAction};
+use touchline_application::app::{Command, ViewAction};
 
 /// Gap between two cards, points.
 const GAP: f32 = 8.0;
@@ -123,11 +123,7 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
                     .selectable_label(camera.id == *chosen, camera.id.as_str())
                     .clicked()
                 {
-                    panel
-                        .actions
-                        .push(Action::View(ViewAction::SetQualityCamera(
-                            camera.id.clone(),
-                        )));
+                    panel.view(ViewAction::SetQualityCamera(camera.id.clone()));
                     ui.close();
                 }
             }

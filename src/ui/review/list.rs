@@ -18,7 +18,7 @@ use egui::{
 };
 use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
 use touchline_application::app::session::status_label;
-use touchline_application::app::{Action, Command, ViewAction, sentence};
+use touchline_application::app::{Command, ViewAction, sentence};
 
 /// Height of a row, points.
 const ROW: f32 = 44.0;
@@ -110,9 +110,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     // The application keeps the order while the pointer is over the list.
     let held = ui.rect_contains_pointer(shown.inner_rect);
     if held != panel.app.session.review.held {
-        panel
-            .actions
-            .push(Action::View(ViewAction::HoldReview(held)));
+        panel.view(ViewAction::HoldReview(held));
     }
 }
 

@@ -98,7 +98,7 @@ fn beginnings(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
         let cancel = ui.button("Cancel").on_hover_text("Stop opening. (Esc)");
         if cancel.clicked() {
-            panel.actions.push(Action::Command(Command::Cancel));
+            panel.run(Command::Cancel);
         }
         return;
     }
@@ -165,7 +165,7 @@ fn waiting_labels(panel: &mut Panel<'_>, ui: &mut Ui) {
         .button("Leave them")
         .on_hover_text("Import nothing. (Esc)");
     if leave.clicked() {
-        panel.actions.push(Action::Command(Command::Cancel));
+        panel.run(Command::Cancel);
     }
 }
 

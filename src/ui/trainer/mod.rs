@@ -15,7 +15,7 @@ use egui::{
     Sense, Stroke, Ui,
 };
 use touchline_application::app::{
-    Action, Command, EditAction, ForestFacts, TrainerActivity, TrainerStatus, UnusableReference,
+    Command, EditAction, ForestFacts, TrainerActivity, TrainerStatus, UnusableReference,
     describe_left,
 };
 use touchline_calibration::proposals::{Coverage, LeftOut, Quality, Suspect, WRONG_PX};
@@ -154,12 +154,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         ui.add(Checkbox::new(&mut used, "Use this frame for training"))
             .on_hover_text(tip);
         if used != before {
-            panel
-                .actions
-                .push(Action::Edit(EditAction::SetUseForTraining {
-                    frame: shown,
-                    used,
-                }));
+            panel.edit(EditAction::SetUseForTraining { frame: shown, used });
         }
     }
     // References that contradict others, and those that cannot be used.
@@ -278,9 +273,7 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     ))
     .on_hover_text(tip);
     if snapped != before {
-        panel
-            .actions
-            .push(Action::Command(Command::SnapSuggestions));
+        panel.run(Command::SnapSuggestions);
     }
     let advice = &panel.app.review().advice;
     if let Some(text) = panel.app.where_to_label() {

@@ -20,8 +20,8 @@ use egui::{
 use std::sync::Arc;
 use touchline_application::app::App;
 use touchline_application::app::Command;
+use touchline_application::app::EditAction;
 use touchline_application::app::session::{Mode, PictureView};
-use touchline_application::app::{Action, EditAction};
 use touchline_application::render::Layer;
 use touchline_application::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
@@ -130,7 +130,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         );
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         if response.clicked() {
-            panel.actions.push(Action::Edit(EditAction::Pick(target)));
+            panel.edit(EditAction::Pick(target));
         }
     }
 }

@@ -27,7 +27,7 @@ use crate::ui::{Panel, PictureState};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{DragTarget, Pointer, Surroundings};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, App, Tool, ViewAction};
+use touchline_application::app::{App, Tool, ViewAction};
 use touchline_application::render::{Layer, PictureKey, PictureLayer};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_vision::media;
@@ -177,9 +177,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     );
     // Zoom commands need the scale at which the whole picture fits. The layout alone knows it.
     if panel.app.session.picture.fit_scale != placement.fit_scale {
-        panel
-            .actions
-            .push(Action::View(ViewAction::FitScale(placement.fit_scale)));
+        panel.view(ViewAction::FitScale(placement.fit_scale));
     }
     match shown_picture(panel, expected) {
         Ok((key, picture)) => {

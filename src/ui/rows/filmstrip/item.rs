@@ -17,7 +17,7 @@ use touchline_application::app::review::percent;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::session::{reason_label, status_label};
 use touchline_application::app::{
-    Action, Command, LineCheckSummary, Navigation, OpenProject, ViewAction, sentence,
+    Command, LineCheckSummary, Navigation, OpenProject, ViewAction, sentence,
 };
 use touchline_documents::document::{Frame, FrameStatus, Solution};
 
@@ -89,9 +89,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
         };
         if let Some(how) = how {
             let select = Navigation::SelectFrame { frame: index, how };
-            panel.actions.push(Action::Navigate(select));
+            panel.navigate(select);
         } else {
-            panel.actions.push(Action::View(ViewAction::SelectNoFrames));
+            panel.view(ViewAction::SelectNoFrames);
             panel.go_to(index);
         }
     }

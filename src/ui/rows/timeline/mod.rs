@@ -14,7 +14,7 @@ use touchline_application::app::place::time_code;
 use touchline_application::app::playing::{PlayClock, SPEEDS};
 use touchline_application::app::session::Mode;
 use touchline_application::app::video::PlaySpeed;
-use touchline_application::app::{Action, App, Command, ViewAction};
+use touchline_application::app::{App, Command, ViewAction};
 
 /// Height of the timeline, points.
 pub const HEIGHT: f32 = 36.0;
@@ -55,9 +55,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show_ui(ui, |ui| {
             for speed in SPEEDS {
                 if ui.selectable_label(speed == chosen, label(speed)).clicked() {
-                    panel
-                        .actions
-                        .push(Action::View(ViewAction::SetSpeed(PlaySpeed(speed))));
+                    panel.view(ViewAction::SetSpeed(PlaySpeed(speed)));
                 }
             }
         });
@@ -87,7 +85,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.label(format!("The time, and the number of the frame: from {first} to {last}, as in the document.\n{keys}"));
     });
     if place.clicked() {
-        panel.actions.push(Action::Command(Command::GoToPlace));
+        panel.run(Command::GoToPlace);
     }
 }
 
@@ -106,7 +104,7 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
     let last = open.document.frames.len().saturating_sub(1);
     // Playing ends with the last frame, or when the user begins something else.
     if session.mode != Mode::Idle || session.dialog.is_some() || session.frame >= last {
-        panel.actions.push(Action::View(ViewAction::Pause));
+        panel.view(ViewAction::Pause);
         return;
     }
     let (shown, speed) = (session.frame, session.video.speed.0);
