@@ -15,25 +15,21 @@ mod shared_parameters;
 
 pub use base::{BaseAngles, CameraBase};
 pub use base_sigma::BaseSigma;
-#[doc(hidden)]
-pub use distortion::undistort;
 pub use distortion::{FocalCurve, Radial, UndistortError};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
-#[doc(hidden)]
-pub use projection::AngularDistance;
-#[doc(hidden)]
-pub use projection::MIN_DEPTH;
-#[doc(hidden)]
-pub use projection::image_space_distances_px;
 pub use projection::{ProjectError, PtzCamera};
 pub(crate) use shared_parameters::SHARED_COLUMNS;
 pub use shared_parameters::{BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    distortion::undistort,
+    projection::{AngularDistance, MIN_DEPTH, image_space_distances_px},
+};
 
 use crate::geometry::rotation::{angle_between_directions, q_pan, q_tilt};
 use crate::geometry::{Angle, Mat3, Vec3};
 use serde::Serialize;
-
-// For the crates above alone: no promise to other programs.
 
 /// The parameters of a frame beside its camera's base: pan, tilt and focal length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -14,47 +14,24 @@ mod regular_file;
 mod replace;
 mod temporary;
 
-#[doc(hidden)]
-pub use regular_file::NotReadable;
 pub use regular_file::WrongKind;
-#[doc(hidden)]
-pub use regular_file::open_named;
-#[doc(hidden)]
-pub use regular_file::open_regular;
-#[doc(hidden)]
-pub use regular_file::read_named;
-#[doc(hidden)]
-pub use regular_file::read_named_text;
-#[doc(hidden)]
-pub use regular_file::read_regular;
-#[doc(hidden)]
-pub use regular_file::read_regular_within;
-#[doc(hidden)]
-pub use regular_file::refuse_linked_folder;
 pub use replace::NotReplaced;
+// For the crates above alone: no promise to other programs.
 #[doc(hidden)]
-pub use replace::follow_link;
-#[doc(hidden)]
-pub use replace::refuse_other_files;
-#[doc(hidden)]
-pub use replace::refuse_part_of_project;
-#[doc(hidden)]
-pub use replace::replace_folder;
-#[doc(hidden)]
-pub use replace::{IsReplaced, PROJECT_FILE, PROJECT_SUFFIX};
-#[doc(hidden)]
-pub use temporary::remove_stray_files;
-#[doc(hidden)]
-pub use temporary::temporary_file_in;
-#[doc(hidden)]
-pub use temporary::temporary_folder_in;
-#[doc(hidden)]
-pub use temporary::temporary_link_to;
+pub use {
+    regular_file::{
+        NotReadable, open_named, open_regular, read_named, read_named_text, read_regular,
+        read_regular_within, refuse_linked_folder,
+    },
+    replace::{
+        IsReplaced, PROJECT_FILE, PROJECT_SUFFIX, follow_link, refuse_other_files,
+        refuse_part_of_project, replace_folder,
+    },
+    temporary::{remove_stray_files, temporary_file_in, temporary_folder_in, temporary_link_to},
+};
 
 use std::io::{Error, ErrorKind};
 use std::path::Path;
-
-// For the crates above alone: no promise to other programs.
 
 /// The folder that a path lies in.
 #[doc(hidden)]
@@ -89,6 +66,7 @@ pub fn plain(text: &str) -> String {
 }
 
 /// Whether a terminal or a text view obeys a character instead of showing it.
+#[doc(hidden)]
 pub fn is_control(letter: char) -> bool {
     // Beside the control characters: the marks, embeddings, overrides and isolates of Unicode's
     // bidirectional algorithm (UAX 9), characters of zero width, line and paragraph separators.

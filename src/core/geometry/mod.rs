@@ -25,8 +25,7 @@ pub(crate) use subsample::{farthest_pairs, keep_distinct};
 pub use {
     averages::{mean, median_high, quantile},
     homography::homography,
-    image::covariance_ellipse,
-    image::distance_from_segment,
+    image::{covariance_ellipse, distance_from_segment},
     subsample::{stride_of_subsample, subsample},
     text::{decimal, hex, is_formula, pluralise, text_cell, thousands, xml_text},
 };

@@ -14,26 +14,16 @@ mod ground;
 mod lines;
 mod samples;
 
-#[doc(hidden)]
-pub use ground::visible_ground;
-#[doc(hidden)]
-pub use lines::ProjectedLandmark;
-#[doc(hidden)]
-pub use lines::project_landmarks;
-#[doc(hidden)]
-pub use lines::project_lines;
-#[doc(hidden)]
-pub use lines::{MarkingOptions, MarkingPolyline};
-#[doc(hidden)]
-pub use samples::detectability;
-#[doc(hidden)]
-pub use samples::sample_lines;
-#[doc(hidden)]
-pub use samples::{LineSample, ProjectedLine, SampleOptions};
-
 // For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    ground::visible_ground,
+    lines::{MarkingOptions, MarkingPolyline, ProjectedLandmark, project_landmarks, project_lines},
+    samples::{LineSample, ProjectedLine, SampleOptions, detectability, sample_lines},
+};
 
 /// The minimum number of unoccluded line samples for a verdict.
+#[doc(hidden)]
 pub const FEWEST_OPEN: usize = 30;
 
 /// Minimum probability for a verdict, on either side.

@@ -37,42 +37,31 @@ mod spread;
 mod standing;
 mod standing_edges;
 
-#[doc(hidden)]
-pub use binary::extract_binary;
-#[doc(hidden)]
-pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind};
 pub use burnt_in::burnt_in;
-#[doc(hidden)]
-pub use burnt_in::{BurntIn, BurntInGraphic, StaticGraphic};
 pub use cache::{FeatureCache, FeatureKey};
 pub use descriptor::{DESCRIPTOR_BYTES, Descriptor, Features, Keypoint};
-#[doc(hidden)]
-pub use descriptor::{DESCRIPTOR_NORM, MAX_SQUARED_DISTANCE};
 pub(crate) use descriptor::{MAX_MATCH_SQUARED_DISTANCE, Sketch};
 pub use extract::extract;
-#[doc(hidden)]
-pub use extract::opencv_version;
 pub use options::{Detector, FeatureOptions};
+pub(crate) use spread::{cell_in_grid, count_cells};
+pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
+// For the crates above alone: no promise to other programs.
 #[doc(hidden)]
-pub use reduced::ReducedPicture;
-#[doc(hidden)]
-pub use reduced::has_moved;
-pub(crate) use spread::cell_in_grid;
-pub(crate) use spread::count_cells;
-#[doc(hidden)]
-pub use spread::spread;
-pub(crate) use standing::place_share;
-pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE};
-#[doc(hidden)]
-pub use standing_edges::standing_graphics;
+pub use {
+    binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary},
+    burnt_in::{BurntIn, BurntInGraphic, StaticGraphic},
+    descriptor::{DESCRIPTOR_NORM, MAX_SQUARED_DISTANCE},
+    extract::opencv_version,
+    reduced::{ReducedPicture, has_moved},
+    spread::spread,
+    standing_edges::standing_graphics,
+};
 
 #[cfg(feature = "opencv")]
 use crate::media::one_line;
 use thiserror::Error;
 #[cfg(feature = "opencv")]
 use touchline_core::geometry::ImageSize;
-
-// For the crates above alone: no promise to other programs.
 
 /// Why the features of a picture could not be computed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -41,13 +41,11 @@ pub use video::{CountProgress, FrameClock, Video, VideoBackend, VideoInfo};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    cached_reader::FrameCache,
-    cached_reader::{CachedReader, KEPT_BYTES},
+    cached_reader::{CachedReader, FrameCache, KEPT_BYTES},
     digest::{sha256_of_bytes, sha256_of_file, video_file_id},
     image_file::{ImageLimits, image_size, load_image, load_image_within},
     prefetch::{PrefetchOptions, StepDirection, prefetch_plan},
-    source::FrameSource,
-    source::{FolderListing, list_images},
+    source::{FolderListing, FrameSource, list_images},
     stream::{FrameStream, StreamedFrame},
     thumbnail::{THUMBNAIL_SIZE, letterbox},
 };

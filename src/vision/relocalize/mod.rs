@@ -21,28 +21,25 @@ mod reference_pairs;
 mod standing;
 
 pub use alignment::{Label, Misfit};
-pub use answer::relocalize;
-pub use answer::{RelocalizeOptions, Relocalized};
+pub use answer::{RelocalizeOptions, Relocalized, relocalize};
 pub use confidence::{Evidence, FromReference};
+pub use consensus::PoseOptions;
 pub use forest::{
     Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped,
     TrainOptions, TrainProgress, train,
 };
-pub use model::{
-    CERTAIN, CameraForest, CertainAnswerCounts, FOREST_VERSION, ForestModel, SeenRange,
-};
+pub use model::{CameraForest, CertainAnswerCounts, ForestModel, SeenRange};
 pub use pose::{NotFound, Pose};
-
-pub use consensus::PoseOptions;
 pub use reference_pairs::Reference;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
-pub use alignment::adjust_labels;
-pub use answer::candidates_of;
-pub use contradictions::contradictions;
-pub use contradictions::suspects;
-pub use contradictions::{Contradiction, ContradictionOptions};
-pub use forest::train_without;
-pub use matches::RayMatches;
-pub use pose::pose_from_candidates;
-pub use standing::pose_of_moving;
+pub use {
+    alignment::adjust_labels,
+    answer::candidates_of,
+    contradictions::{Contradiction, ContradictionOptions, contradictions, suspects},
+    forest::train_without,
+    matches::RayMatches,
+    model::{CERTAIN, FOREST_VERSION},
+    pose::pose_from_candidates,
+    standing::pose_of_moving,
+};

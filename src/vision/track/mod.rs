@@ -41,44 +41,27 @@ mod pose_problem;
 mod relative_rotations;
 mod start;
 
-#[doc(hidden)]
-pub use clip::adjust_clip;
-#[doc(hidden)]
-pub use clip::propagate;
-#[doc(hidden)]
-pub use clip::smooth;
 pub use clip::{AdjustOptions, AdjustedClip, FollowOptions, Jitter, PropagateOptions};
-#[doc(hidden)]
-pub use clip::{
-    ClipCamera, ClipLens, PointFollower, PointTrack, PointTracks, PropagatedClip, PropagationStop,
-    SmoothOptions, UnsmoothedFrame,
-};
-#[doc(hidden)]
-pub use cuts::FoundCut;
-#[doc(hidden)]
-pub use cuts::find_cuts;
-pub use cycles::ViewGraphEdge;
-pub use cycles::groups;
-#[doc(hidden)]
-pub use matched_frames::adjust_matched_frames;
-#[doc(hidden)]
-pub use matched_frames::fill_missing_cameras;
-#[doc(hidden)]
-pub use pairs::match_frames_pairwise;
+pub use cycles::{ViewGraphEdge, groups};
 pub use pose_problem::AdjustedFrame;
+// For the crates above alone: no promise to other programs.
 #[doc(hidden)]
-pub use pose_problem::{PosePrior, PriorSource};
-#[doc(hidden)]
-pub use relative_rotations::adjust_rotations;
-#[doc(hidden)]
-pub use relative_rotations::{RelativeRotations, TurnOptions};
+pub use {
+    clip::{
+        ClipCamera, ClipLens, PointFollower, PointTrack, PointTracks, PropagatedClip,
+        PropagationStop, SmoothOptions, UnsmoothedFrame, adjust_clip, propagate, smooth,
+    },
+    cuts::{FoundCut, find_cuts},
+    matched_frames::{adjust_matched_frames, fill_missing_cameras},
+    pairs::match_frames_pairwise,
+    pose_problem::{PosePrior, PriorSource},
+    relative_rotations::{RelativeRotations, TurnOptions, adjust_rotations},
+};
 
 #[cfg(feature = "opencv")]
 use crate::media::one_line;
 use thiserror::Error;
 use touchline_core::geometry::pluralise;
-
-// For the crates above alone: no promise to other programs.
 
 /// Why frames could not be matched or adjusted.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -17,11 +17,10 @@ mod refresh;
 mod row;
 mod stretch;
 
+pub use crate::app::window_state::choices::{ReviewChoice, ReviewOrder};
 pub use row::{DISAGREES_PX, ReviewRow, disagrees, percent};
 pub(super) use stretch::{AcceptQuestion, Stretch};
 pub use stretch::{LeftFrames, LeftReason};
-
-pub use crate::app::window_state::choices::{ReviewChoice, ReviewOrder};
 
 use self::refresh::Source;
 use self::row::doubtful_first;

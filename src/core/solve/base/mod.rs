@@ -70,41 +70,27 @@ pub(super) mod shared_prior;
 mod start;
 mod summary;
 
-#[doc(hidden)]
-pub use adjust::AdjustedBase;
-#[doc(hidden)]
-pub use adjust::adjust_base;
 pub use adjust::{AdjustOptions, BasePriors};
-#[doc(hidden)]
-pub use change::BaseChange;
-#[doc(hidden)]
-pub use change::base_change;
 pub use cross_validation::{HeldOutErrors, ModelReason, ModelScore};
 pub use disputes::{DisputedClick, MirroredFrame};
-pub use estimate::BaseOptions;
-#[doc(hidden)]
-pub use estimate::cross_validated_errors;
-pub use estimate::estimate_base;
-#[doc(hidden)]
-pub use estimate::estimate_base_on_paint;
+pub use estimate::{BaseOptions, estimate_base};
 pub use field_fit::FittedSize;
-#[doc(hidden)]
-pub use field_fit::fit_field_size;
-#[doc(hidden)]
-pub use field_fit::{SizeParam, SizeStart};
 pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
 pub use one_more::{BesideFrames, OneMoreFrame};
 pub use pixel_aspect::PixelAspect;
-#[doc(hidden)]
-pub use scatter::usual_displacement_m;
 pub use shared_place::SharedPlace;
-#[doc(hidden)]
-pub use shared_place::shared_places;
-#[doc(hidden)]
-pub use start::BaseStart;
-#[doc(hidden)]
-pub use start::start_base;
 pub use summary::{BaseEstimate, FrameFit};
+// For the crates above alone: no promise to other programs.
+#[doc(hidden)]
+pub use {
+    adjust::{AdjustedBase, adjust_base},
+    change::{BaseChange, base_change},
+    estimate::{cross_validated_errors, estimate_base_on_paint},
+    field_fit::{SizeParam, SizeStart, fit_field_size},
+    scatter::usual_displacement_m,
+    shared_place::shared_places,
+    start::{BaseStart, start_base},
+};
 
 use super::Observation;
 use crate::camera::{Ptz, PtzCamera};
@@ -114,8 +100,6 @@ use crate::progress::Progress;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
-
-// For the crates above alone: no promise to other programs.
 
 /// The clicks of one frame of the camera whose base is sought.
 #[derive(Clone, Debug, Default, PartialEq)]

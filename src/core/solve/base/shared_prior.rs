@@ -2,7 +2,6 @@
 
 use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SLOPE, Shared};
 use crate::camera::CameraBase;
-use crate::field::FieldElement;
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use crate::solve::Loss;
 use crate::solve::optimiser::least_squares::{Linearised, Residual};
@@ -131,10 +130,6 @@ fn rotation_vector_by_turn(vector: Vec3) -> Mat3 {
 
 impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
     type State = Shared;
-
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
 
     fn sigma(&self) -> f64 {
         self.sigma

@@ -65,6 +65,7 @@ mod starts;
 mod tests;
 mod uncertainty;
 
+// For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use priors::PicturePriors;
 
@@ -78,8 +79,6 @@ use crate::geometry::{ImagePoint, ImageSize, Vec3, pluralise};
 use hypotheses::fit_picture;
 use names::correct_names;
 use thiserror::Error;
-
-// For the crates above alone: no promise to other programs.
 
 /// A picture with what was drawn in it.
 #[derive(Clone, Copy, Debug)]
@@ -252,6 +251,7 @@ fn are_parallel(lines: &[DrawnLine]) -> bool {
 /// observations, from 0; the messages count from 1.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
+#[doc(hidden)]
 pub enum FromLinesError {
     /// A coordinate of a point or of its line is NaN or infinite, or its sigma is not positive.
     #[error("point {} is not a finite pixel with a positive sigma: place it again", .click + 1)]

@@ -5,7 +5,6 @@ use crate::field::{FieldElement, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 use crate::solve::optimiser::least_squares::{Linearised, Residual};
 use crate::solve::{ObservationError, ObservedShape};
-use nalgebra::SMatrix;
 
 /// One click, ready for solving: the pixel, its 1-σ, and the landmark or line that it shows with
 /// its shape in `world`.
@@ -166,10 +165,6 @@ pub(in crate::solve) fn landmark_observations(
 impl Residual<2, 0, 3> for Observation {
     type State = PtzCamera;
 
-    fn element(&self) -> Option<FieldElement> {
-        self.element
-    }
-
     #[inline]
     fn sigma(&self) -> f64 {
         self.sigma_px
@@ -185,10 +180,6 @@ impl Residual<2, 0, 3> for Observation {
         // The third parameter of a fit is log f: d/d(log f) = f d/df.
         let (value, mut by_own) = self.shape.residual_by_ptz(camera, self.image)?;
         by_own.column_mut(2).scale_mut(camera.ptz().focal_px);
-        Some(Linearised {
-            value,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(value, by_own))
     }
 }

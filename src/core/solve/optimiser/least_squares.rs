@@ -8,7 +8,6 @@
 //! solved for the shared ones, and the blocks' steps follow by back-substitution.
 
 use super::loss::LossSum;
-use crate::field::FieldElement;
 use crate::solve::Loss;
 use nalgebra::{SMatrix, SVector};
 
@@ -378,10 +377,6 @@ pub trait Residual<const ROWS: usize, const SHARED: usize, const OWN: usize> {
     /// What it is evaluated at, such as a camera.
     type State;
 
-    /// The landmark or line of the field that was measured; none for a prior, or for a point that
-    /// is not an element of the field.
-    fn element(&self) -> Option<FieldElement>;
-
     /// 1-σ of each of its numbers, in their unit.
     fn sigma(&self) -> f64;
 
@@ -409,6 +404,17 @@ pub struct Linearised<const ROWS: usize, const SHARED: usize, const OWN: usize> 
     pub by_own: SMatrix<f64, ROWS, OWN>,
 }
 
+impl<const ROWS: usize, const SHARED: usize, const OWN: usize> Linearised<ROWS, SHARED, OWN> {
+    /// A residual that does not depend on the shared parameters.
+    pub fn without_shared(value: SVector<f64, ROWS>, by_own: SMatrix<f64, ROWS, OWN>) -> Self {
+        Self {
+            value,
+            by_shared: SMatrix::zeros(),
+            by_own,
+        }
+    }
+}
+
 // Graduated non-convexity: a robust loss whose scale shrinks, one Gauss–Newton step for each
 // scale.
 //
@@ -433,7 +439,6 @@ pub fn gauss_newton_step<P: Problem>(problem: &P, from: &P::State) -> Option<P::
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::FieldElement;
     use crate::solve::{BlockEquations, Linearised, Loss, Residual};
     use crate::testing::check_derivatives;
     use nalgebra::{Matrix1, Matrix1x2, Matrix2x3, SMatrix, SVector, Vector1};
@@ -447,10 +452,6 @@ mod tests {
 
     impl Residual<1, 2, 1> for Height {
         type State = (SVector<f64, 2>, f64);
-
-        fn element(&self) -> Option<FieldElement> {
-            None
-        }
 
         fn sigma(&self) -> f64 {
             0.5
@@ -648,10 +649,6 @@ mod tests {
 
     impl Residual<1, 0, 2> for Point {
         type State = SVector<f64, 2>;
-
-        fn element(&self) -> Option<FieldElement> {
-            None
-        }
 
         fn sigma(&self) -> f64 {
             0.1

@@ -2,7 +2,6 @@
 
 use super::motion_prior::PtzRanges;
 use crate::camera::{Ptz, PtzCamera, SHARED_COLUMNS};
-use crate::field::FieldElement;
 use crate::geometry::{Angle, ImageSize, Mat3, Vec3};
 use crate::solve::optimiser::least_squares::{Linearised, Residual};
 use crate::solve::{Loss, MotionPrior};
@@ -51,10 +50,6 @@ impl PtzPrior {
 impl Residual<3, 0, 3> for PtzPrior {
     type State = PtzCamera;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         1.0
     }
@@ -72,11 +67,7 @@ impl Residual<3, 0, 3> for PtzPrior {
 
     fn linearise(&self, camera: &PtzCamera) -> Option<Linearised<3, 0, 3>> {
         let by_own = Mat3::from_diagonal(&self.inverse_sigmas());
-        Some(Linearised {
-            value: self.value(camera)?,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(self.value(camera)?, by_own))
     }
 
     fn loss(&self, _: Loss) -> Loss {

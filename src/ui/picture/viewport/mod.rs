@@ -17,6 +17,8 @@ mod scene;
 mod trust;
 mod wheel;
 
+pub use wheel::Gesture;
+
 use super::{loupe, masks, naming};
 use crate::ui::controls::theme;
 use crate::ui::drawing::canvas::Overlay;
@@ -31,8 +33,6 @@ use touchline_application::app::{App, Tool, ViewAction};
 use touchline_application::render::{Layer, PictureKey, PictureLayer};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_vision::media;
-
-pub use wheel::Gesture;
 
 /// Waiting time after which the previous picture is dimmed and a spinner appears, s. A shorter wait
 /// would only flicker.

@@ -33,9 +33,9 @@
 use super::ground_on_field::ground_on_field;
 use super::sightings::{LineObservations, SamplingDistances};
 use crate::paint::{GroundPicture, SnapError};
-use nalgebra::{SMatrix, Vector1};
+use nalgebra::Vector1;
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline_core::field::{FieldElement, FieldModel};
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec3, subsample};
 use touchline_core::solve::{
     BlockEquations, Linearised, Loss, Observation, Problem, Refined, Residual, gauss_newton_step,
@@ -233,12 +233,6 @@ struct NearestRidge<'a> {
 impl Residual<1, 0, 3> for NearestRidge<'_> {
     type State = StepPx;
 
-    fn element(&self) -> Option<FieldElement> {
-        Some(FieldElement::Paint(
-            self.ridges.sightings.samples[self.sample].line,
-        ))
-    }
-
     fn sigma(&self) -> f64 {
         self.ridges.sigmas_px[self.sample]
     }
@@ -250,11 +244,7 @@ impl Residual<1, 0, 3> for NearestRidge<'_> {
 
     fn linearise(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
         let by_own = self.ridges.by_step[self.sample].transpose();
-        Some(Linearised {
-            value: self.value(step)?,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(self.value(step)?, by_own))
     }
 }
 
@@ -291,8 +281,6 @@ pub(super) struct ClickAlignment {
 
 /// One equation of a click: a landmark has two, a point on a line one.
 struct ClickRow {
-    /// The element of the field that was clicked. None for a point that belongs to no element.
-    element: Option<FieldElement>,
     by_step: StepPx,
     /// From the predicted position to the click, px, along one axis or across the line.
     offset_px: f64,
@@ -308,10 +296,6 @@ impl ClickRow {
 impl Residual<1, 0, 3> for ClickRow {
     type State = StepPx;
 
-    fn element(&self) -> Option<FieldElement> {
-        self.element
-    }
-
     fn sigma(&self) -> f64 {
         self.sigma_px
     }
@@ -321,11 +305,10 @@ impl Residual<1, 0, 3> for ClickRow {
     }
 
     fn linearise(&self, step: &StepPx) -> Option<Linearised<1, 0, 3>> {
-        Some(Linearised {
-            value: self.value(step)?,
-            by_shared: SMatrix::zeros(),
-            by_own: self.by_step.transpose(),
-        })
+        Some(Linearised::without_shared(
+            self.value(step)?,
+            self.by_step.transpose(),
+        ))
     }
 }
 
@@ -344,7 +327,6 @@ impl ClickAlignment {
             // ridges.
             for axis in 0..click.equations() {
                 rows.push(ClickRow {
-                    element: click.element,
                     by_step: around.by_step_from_by_ptz(by_ptz.row(axis).transpose()),
                     offset_px: -predicted_minus_click_px[axis],
                     sigma_px: click.sigma_px,

@@ -67,14 +67,11 @@ mod train;
 mod tree;
 
 pub use file::ForestFileError;
-pub(super) use file::Reader;
-pub(super) use file::write_forest;
+pub(super) use file::{Reader, write_forest};
 pub use predict::RayCandidate;
 pub use search::Search;
 pub use split::Samples;
-pub use train::train;
-pub use train::train_without;
-pub use train::{Stopped, TrainProgress};
+pub use train::{Stopped, TrainProgress, train, train_without};
 pub use tree::Forest;
 
 use touchline_core::geometry::Angle;

@@ -54,13 +54,10 @@ mod follow;
 mod propagate;
 mod smooth;
 
-pub use adjust::adjust_clip;
-pub use adjust::{AdjustOptions, AdjustedClip};
+pub use adjust::{AdjustOptions, AdjustedClip, adjust_clip};
 pub use follow::{FollowOptions, PointFollower, PointTrack, PointTracks};
-pub use propagate::propagate;
-pub use propagate::{PropagateOptions, PropagatedClip, PropagationStop};
-pub use smooth::smooth;
-pub use smooth::{Jitter, SmoothOptions, UnsmoothedFrame};
+pub use propagate::{PropagateOptions, PropagatedClip, PropagationStop, propagate};
+pub use smooth::{Jitter, SmoothOptions, UnsmoothedFrame, smooth};
 
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::geometry::ImagePoint;

@@ -9,8 +9,7 @@ mod suggestions;
 mod tracking;
 
 pub use tracking::ClipTracking;
-pub(super) use tracking::describe_progress;
-pub(super) use tracking::share_of;
+pub(super) use tracking::{describe_progress, share_of};
 
 use crate::app::operation::{AsItWas, Slot};
 use crate::app::operations::UnderWay;

@@ -18,8 +18,7 @@
 mod overlay;
 
 pub use overlay::CornerSigma;
-pub(in crate::solve) use overlay::OverlayPoint;
-pub(in crate::solve) use overlay::corners;
+pub(in crate::solve) use overlay::{OverlayPoint, corners};
 
 use crate::camera::{CameraBase, FocalCurve, PtzCamera, SHARED_COLUMNS};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};

@@ -14,7 +14,6 @@ use crate::track::pose_problem::{KNOWN_FOCAL_SIGMA, apply_offset};
 use march::March;
 use nalgebra::{SMatrix, SVector};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
-use touchline_core::field::FieldElement;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
 
@@ -184,10 +183,6 @@ struct KnownFocal(pub f64);
 impl Residual<1, 0, 3> for KnownFocal {
     type State = PtzCamera;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         KNOWN_FOCAL_SIGMA
     }
@@ -198,11 +193,7 @@ impl Residual<1, 0, 3> for KnownFocal {
 
     fn linearise(&self, at: &PtzCamera) -> Option<Linearised<1, 0, 3>> {
         let by_own = SMatrix::<f64, 1, 3>::new(0.0, 0.0, 1.0);
-        Some(Linearised {
-            value: self.value(at)?,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(self.value(at)?, by_own))
     }
 }
 
@@ -218,10 +209,6 @@ struct Correspondence {
 impl Residual<2, 0, 3> for Correspondence {
     /// The camera at the origin; pan, tilt and focal length are its parameters.
     type State = PtzCamera;
-
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
 
     fn sigma(&self) -> f64 {
         self.sigma_px
@@ -240,11 +227,10 @@ impl Residual<2, 0, 3> for Correspondence {
         let mut by_own = here.by_ptz;
         // ∂/∂(ln f) = f ∂/∂f.
         by_own.column_mut(2).scale_mut(at.ptz().focal_px);
-        Some(Linearised {
-            value: here.point.offset_from(self.image),
-            by_shared: SMatrix::zeros(),
+        Some(Linearised::without_shared(
+            here.point.offset_from(self.image),
             by_own,
-        })
+        ))
     }
 }
 
