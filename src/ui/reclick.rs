@@ -2,8 +2,7 @@
 //! progress.
 
 use super::{Panel, key_in_brackets};
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::field_map;
 use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
 use touchline_application::app::Command;

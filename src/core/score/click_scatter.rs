@@ -14,8 +14,7 @@
 //!    coordinates of a pair together.
 
 use super::{chi_squared_quantile, median_normal_size};
-use crate::geometry::Vec2;
-use crate::geometry::quantile;
+use crate::geometry::{Vec2, quantile};
 use serde::Serialize;
 
 /// No estimate from fewer pairs: the interval would span a factor of three or more.

@@ -2,12 +2,10 @@
 
 use super::{evidence, section};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Button, Frame, Grid, Margin, RichText, Ui};
 use touchline_application::app::{Command, Keymap};
-use touchline_calibration::calibrate::BaseReadiness;
-use touchline_calibration::calibrate::EstimatedBase;
+use touchline_calibration::calibrate::{BaseReadiness, EstimatedBase};
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::Camera;
 

@@ -4,14 +4,12 @@
 //! Distances are px of the picture between a click and where the estimated base, with the frame's
 //! own pan, tilt and focal length, projects its landmark.
 
-use super::position_view;
-use super::{remark, section};
+use super::{position_view, remark, section};
 use crate::ui::Panel;
 use crate::ui::controls::bar::Bar;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
 use crate::ui::rows::menu::file_name;
 use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
 use touchline_application::app::EditAction;

@@ -4,8 +4,7 @@
 use super::{numbers, remark, section};
 use crate::ui::Panel;
 use crate::ui::controls::number::{Number, shortest};
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::field_map::sport_title;
 use egui::{
     Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui,

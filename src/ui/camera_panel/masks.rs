@@ -2,8 +2,7 @@
 
 use super::section;
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
-use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::symbol::{self, Symbol};
 use crate::ui::controls::theme::Themed as _;
 use egui::{Align, Button, Layout, RichText, Ui};
 use touchline_application::app::{Command, EditAction, MaskList, MaskScope, Tool};

@@ -2,14 +2,12 @@
 //! many of them are wrong or left and why, and a look at the doubtful ones and at samples.
 
 use super::{cancel, has_just_opened, sheet};
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::miniature;
 use crate::ui::{Panel, review};
-use egui::vec2;
 use egui::{
     Align, Align2, Button, Checkbox, Context, FontId, Id, Label, Layout, Rect, RichText, Role,
-    ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo,
+    ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetInfo, vec2,
 };
 use std::sync::Arc;
 use touchline_application::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};

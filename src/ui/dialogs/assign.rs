@@ -2,8 +2,7 @@
 
 use super::{has_just_opened, sheet};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Button, Context, Id, Label, RichText, ScrollArea, TextEdit, Ui, vec2};
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{CameraChoice, EditAction, Navigation};

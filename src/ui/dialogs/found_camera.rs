@@ -3,8 +3,7 @@
 
 use super::{closing_button, sheet};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::paint_map;
 use egui::{Button, Context, Label, vec2};
 use std::time::Duration;

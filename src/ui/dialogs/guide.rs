@@ -5,8 +5,7 @@
 
 use super::sheet;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::{Palette, Themed as _};
+use crate::ui::controls::theme::{self, Palette, Themed as _};
 use crate::ui::drawing::pictures::decode_texture;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{

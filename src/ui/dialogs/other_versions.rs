@@ -3,10 +3,8 @@
 
 use super::{cancel, closing_button, sheet};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
-use egui::vec2;
-use egui::{Align, Button, Context, Label, Layout, RichText, ScrollArea, Ui};
+use crate::ui::controls::theme::{self, Themed as _};
+use egui::{Align, Button, Context, Label, Layout, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::session::{Leaving, Saving};
 use touchline_application::app::{Action, Command, OutsideChoice};
 use touchline_documents::store::Orphan;

@@ -3,8 +3,7 @@
 
 use super::floating;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{
     Button, Color32, Context, CornerRadius, Grid, Rect, RichText, Role, Sense, Slider, Stroke,
     StrokeKind, Ui, Vec2, WidgetInfo, vec2,

@@ -3,8 +3,7 @@
 use super::overlay_style::show_swatches;
 use super::sheet;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Button, Context, Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
 use touchline_application::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
 use touchline_application::app::{Command, SettingsAction};

@@ -2,8 +2,7 @@
 
 use super::{has_just_opened, sheet};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::{PlateStyle, plate};
 use egui::{
     Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role,

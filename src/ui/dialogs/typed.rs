@@ -2,11 +2,9 @@
 
 use super::{cancel, has_just_opened, sheet};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::rows::menu::file_name;
-use egui::vec2;
-use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit};
+use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
 use std::path::PathBuf;
 use touchline_application::app::place::FrameOrTime;
 use touchline_application::app::{Action, EditAction, Navigation, Question, sentence};

@@ -2,8 +2,7 @@
 //! while an estimated base waits for a decision it takes that base.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
-use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::symbol::{self, Symbol};
 use crate::ui::controls::theme::Themed as _;
 use egui::{
     Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,

@@ -1,12 +1,10 @@
 //! The list of the frame's points, one row each: number, name, residual, and buttons.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::{Palette, Themed as _};
-use crate::ui::drawing::labels;
-use crate::ui::drawing::labels::lay_out_within;
+use crate::ui::controls::{symbol, theme};
+use crate::ui::drawing::labels::{self, lay_out_within};
 use crate::ui::rows::menu;
 use egui::{
     Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense,

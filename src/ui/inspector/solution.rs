@@ -2,8 +2,7 @@
 
 use crate::ui::Panel;
 use crate::ui::controls::number::Number;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, Ui};
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::camera::Ptz;

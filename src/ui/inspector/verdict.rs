@@ -4,10 +4,9 @@
 //! check and the switch for training.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
 use crate::ui::drawing::labels::lay_out_within;
 use egui::{
     Align2, Button, Label, Rect, RichText, Role, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2,

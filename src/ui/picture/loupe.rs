@@ -3,8 +3,7 @@
 //!
 //! It stands beside the point, on the side where it hides least of the lines that the user aims at.
 
-use crate::ui::drawing::canvas;
-use crate::ui::drawing::canvas::Overlay;
+use crate::ui::drawing::canvas::{self, Overlay};
 use crate::ui::drawing::labels::{PlateStyle, plate};
 use crate::ui::drawing::placement::Placement;
 use egui::{

@@ -6,12 +6,10 @@
 //! row of the shown frame keeps its place.
 
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::lay_out_within;
 use crate::ui::maps::miniature;
-use crate::ui::rows::menu;
-use crate::ui::rows::menu::file_name;
+use crate::ui::rows::menu::{self, file_name};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui,
     WidgetInfo, pos2, vec2,

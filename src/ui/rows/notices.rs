@@ -3,8 +3,7 @@
 //! the list of messages.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
-use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::symbol::{self, Symbol};
 use crate::ui::controls::theme::{Palette, Themed as _};
 use egui::{Align, Button, Color32, Id, Label, Layout, RichText, Role, Ui, WidgetInfo};
 use std::time::Duration;

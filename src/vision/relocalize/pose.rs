@@ -42,9 +42,8 @@ use nalgebra::SMatrix;
 use serde::Serialize;
 use thiserror::Error;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::geometry;
 use touchline_core::geometry::{
-    Angle, ImagePoint, ImageSize, Mat3, Vec2, median_high, pluralise, subsample,
+    self, Angle, ImagePoint, ImageSize, Mat3, Vec2, median_high, pluralise, subsample,
 };
 use touchline_core::score::median_rayleigh;
 use touchline_core::solve::{Loss, Observation, Uncertainty, covariance_in_radians, refine_until};

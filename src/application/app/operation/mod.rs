@@ -26,8 +26,7 @@ pub use slot::{RequestId, Running, Slot};
 use super::App;
 use crate::app::window_state::session::Level;
 use slot::Cancellation;
-use std::fmt;
-use std::fmt::{Debug, Display};
+use std::fmt::{self, Debug, Display};
 use thiserror::Error;
 use touchline_documents::document::{Camera, CameraId, Document, Frame, FrameId};
 

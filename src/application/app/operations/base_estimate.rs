@@ -2,8 +2,7 @@
 //! painted lines of their pictures. The result is shown as a proposal; using it is one step of
 //! undo.
 
-use crate::app::operation::AsItWas;
-use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::{Level, SidePanel};
 use crate::app::{App, Command};

@@ -1,8 +1,7 @@
 //! Aligns the camera of the shown frame to the painted lines of its picture (*snap*), or searches
 //! it from the lines alone if the frame has none.
 
-use crate::app::operation::AsItWas;
-use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};

@@ -1,12 +1,11 @@
 //! Commands: whether each is available, and what it does.
 
 use super::App;
-use crate::app::Tool;
 use crate::app::effect::Effect;
 use crate::app::transfer::TransferTab;
 use crate::app::update::clicking::gold::IN_ROUND;
 use crate::app::window_state::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
-use crate::app::{Chord, Command, CommandKind, CommandNeeds};
+use crate::app::{Chord, Command, CommandKind, CommandNeeds, Tool};
 use touchline_documents::document::{EditKind, Frame, FrameStatus};
 
 /// Factor of one press of a zoom key.

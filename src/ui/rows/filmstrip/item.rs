@@ -1,13 +1,11 @@
 //! One frame of the filmstrip: thumbnail, status and marks.
 
-use super::super::menu;
-use super::super::menu::file_name;
+use super::super::menu::{self, file_name};
 use super::strip::SHOT_GAP;
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
 use crate::ui::drawing::pictures::WHOLE;
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, RectAlign, Response, Role, Sense, Stroke,

@@ -1,9 +1,8 @@
 //! Moves between frames, and accepts, rejects or comments them.
 
-use crate::app::App;
-use crate::app::Command;
 use crate::app::panel_values::progress::just_accepted;
 use crate::app::window_state::session::{Level, Mode};
+use crate::app::{App, Command};
 use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 
 impl App {
