@@ -4,9 +4,9 @@ use super::super::TrackError;
 #[cfg(feature = "opencv")]
 use super::flow::FlowPicture;
 use crate::media::Picture;
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 #[cfg(feature = "opencv")]
-use touchline_core::geometry::{ImagePoint, Vec2, median};
-use touchline_core::geometry::{ImageSize, PixelBox};
+use touchline_core::geometry::{Vec2, median};
 
 /// Options of a [`PointFollower`].
 #[derive(Clone, Copy, Debug, PartialEq)]
