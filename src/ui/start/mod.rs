@@ -1,6 +1,6 @@
 //! The start page. It takes the place of the picture while nothing is open: what the program does,
-//! as a film ([`film`]), beside it what one can begin with, and the documents that were opened last
-//! ([`recent`]).
+//! as a film ([`film`]), beside it what one can begin with, and the documents that were opened
+//! last.
 
 mod film;
 
