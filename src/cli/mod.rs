@@ -114,13 +114,11 @@ pub enum Next {
 }
 
 /// The command line as clap has it, for man pages and completions.
-#[must_use]
 pub fn command() -> clap::Command {
     Cli::command()
 }
 
 /// Reads the process's arguments and runs the command that they name.
-#[must_use]
 pub fn run() -> Next {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,

@@ -31,7 +31,6 @@ const LIBRARIES: [&str; 3] = ["libm.so", "libm-", "libopencv_"];
 const HASH_DIGITS: usize = 12;
 
 /// The class of this machine, such as `x86_64-v3 libraries-0c1f… ffmpeg-5.1.6`.
-#[must_use]
 pub fn processor_class() -> String {
     format!(
         "{} libraries-{} ffmpeg-{}",

@@ -45,7 +45,9 @@ pub use touchline_application::jobs::PictureState;
 
 use egui::{Button, Response, Ui};
 use touchline_application::app::session::Dialog;
-use touchline_application::app::{Action, App, Command, Keymap, Navigation};
+use touchline_application::app::{
+    Action, App, Command, EditAction, Keymap, Navigation, SettingsAction, ViewAction,
+};
 
 /// Whether a dialog takes the keys of the window below it. Those about appearance leave them to the
 /// picture.
@@ -77,7 +79,7 @@ impl Panel<'_> {
         let tip = self.app.settings.keys.tooltip(command);
         let clicked = control.on_hover_text(tip).clicked();
         if clicked {
-            self.actions.push(Action::Command(command));
+            self.run(command);
         }
         clicked
     }
@@ -91,24 +93,51 @@ impl Panel<'_> {
         self.run_on_click(button, command)
     }
 
+    /// Changes the document.
+    fn edit(&mut self, action: EditAction) {
+        self.actions.push(Action::Edit(action));
+    }
+
+    /// Changes how something is displayed.
+    fn view(&mut self, action: ViewAction) {
+        self.actions.push(Action::View(action));
+    }
+
+    /// Changes a setting of the user.
+    fn set(&mut self, action: SettingsAction) {
+        self.actions.push(Action::Settings(action));
+    }
+
+    /// Carries out a command.
+    fn run(&mut self, command: Command) {
+        self.actions.push(Action::Command(command));
+    }
+
+    /// Shows another frame or click.
+    fn navigate(&mut self, action: Navigation) {
+        self.actions.push(Action::Navigate(action));
+    }
+
+    /// Closes the dialog that is open.
+    fn close_dialog(&mut self) {
+        self.view(ViewAction::CloseDialog);
+    }
+
     /// Shows a frame, which is given by its position in the document.
     fn go_to(&mut self, frame: usize) {
-        let action = Action::Navigate(Navigation::GoTo(frame));
-        self.actions.push(action);
+        self.navigate(Navigation::GoTo(frame));
     }
 
     /// Shows a frame and selects one of its clicks. Both are given by their positions.
     fn go_to_click(&mut self, frame: usize, click: usize) {
         self.go_to(frame);
-        let action = Action::Navigate(Navigation::Select(Some(click)));
-        self.actions.push(action);
+        self.navigate(Navigation::Select(Some(click)));
     }
 
     /// Closes the quality page and shows a frame; selects one of its clicks, if given. Both are
     /// given by their positions.
     fn look_at(&mut self, frame: usize, click: Option<usize>) {
-        let action = Action::Navigate(Navigation::LookAt { frame, click });
-        self.actions.push(action);
+        self.navigate(Navigation::LookAt { frame, click });
     }
 }
 

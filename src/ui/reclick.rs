@@ -2,11 +2,10 @@
 //! progress.
 
 use super::{Panel, key_in_brackets};
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::field_map;
 use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
-use touchline_application::app::{Action, Command};
+use touchline_application::app::Command;
 use touchline_documents::document::Target;
 
 /// Shows the panel. Nothing outside a round.
@@ -49,7 +48,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             };
             let button = ui.add_enabled(why_not.is_none(), Button::new(says).min_size(vec2(110.0, 24.0)));
             if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
-                panel.actions.push(Action::Command(command));
+                panel.run(command);
             }
         }
     });

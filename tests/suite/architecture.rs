@@ -107,7 +107,7 @@ const FILES: &[&str] = &[
 /// Statics whose value changes while the program runs; every other state has an owner.
 const STATICS: &[Static] = &[
     // Whether the thread catches its own panics: the hook for panics is one for all threads.
-    ("src/application/jobs/panicked.rs", "IS_HERE"),
+    ("src/application/jobs/background.rs", "IS_HERE"),
     // Numbers the states of documents, so that none repeats in a process.
     ("src/documents/document/model/frames_version.rs", "LAST"),
     // OpenCV's number of threads is one for the whole process.

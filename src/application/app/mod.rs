@@ -37,21 +37,17 @@ mod window_state;
 pub use action::{
     Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction,
 };
-pub use commands::command::{Command, CommandKind, MenuGroup};
-pub use commands::guide;
+pub use commands::command::{Command, CommandKind, CommandNeeds, MenuGroup};
 pub use commands::keymap::{Chord, ChordError, Keymap};
-pub use commands::synonyms;
-pub use commands::tour;
+pub use commands::{guide, synonyms, tour};
 pub use effect::{Effect, Opening, OrphanOrder, OutsideOrder, Snapshot};
 pub use now::MissingBase;
 pub use operations::{BESIDE_PX, LineCheckSummary, LineOffset, transfer};
-pub use panel_values::camera_text;
 pub use panel_values::current::Current;
-pub use panel_values::guidance;
 pub use panel_values::proposed_base::WithProposal;
 pub use panel_values::sentence::sentence;
 pub use panel_values::shown::DisplayedValues;
-pub use panel_values::where_to_label;
+pub use panel_values::{camera_text, guidance, where_to_label};
 pub use project::derived::{FrameCounts, GoldWork};
 pub use project::open_project::OpenProject;
 pub use project::opened::{Opened, OutsideChoice};
@@ -65,12 +61,8 @@ pub use trainer::{
 };
 pub use update::MAX_SCALE;
 pub use window_state::choices::{CameraChoice, MaskList, MaskScope};
-pub use window_state::naming;
-pub use window_state::place;
-pub use window_state::reclick;
-pub use window_state::session;
 pub use window_state::session::{Question, Tool};
-pub use window_state::video;
+pub use window_state::{naming, place, reclick, session, video};
 
 use operation::{Report, RequestId};
 use operations::{ForeignLabels, Operations};

@@ -33,7 +33,6 @@ pub struct MissingBase {
 
 impl App {
     /// The work that the user waits for, with its progress.
-    #[must_use]
     pub fn under_way(&self) -> Vec<UnderWay> {
         self.operations
             .under_way()
@@ -58,7 +57,6 @@ impl App {
 
     /// What is missing for a base of the shown frame's camera. None if it has one, or if one is
     /// being looked for or waits for a decision.
-    #[must_use]
     pub fn missing_base(&self) -> Option<MissingBase> {
         let open = self.open.as_ref()?;
         let camera = &self.frame()?.camera;
@@ -119,7 +117,6 @@ impl App {
 
     /// Which running work will give the shown frame its camera, in one sentence. None if none will,
     /// or if the user has begun to click the frame.
-    #[must_use]
     pub fn awaited_answer(&self) -> Option<String> {
         let (open, frame) = (self.open.as_ref()?, self.frame()?);
         if !frame.is_open() || !frame.clicks.is_empty() {

@@ -22,7 +22,6 @@ pub struct PlayClock {
 
 impl PlayClock {
     /// Starts the clock with the frame that is shown now.
-    #[must_use]
     pub const fn start(now_s: f64, frame: usize, speed: f64) -> Self {
         Self {
             started_s: now_s,
@@ -34,7 +33,6 @@ impl PlayClock {
 
     /// Whether the clock still fits the shown frame and the speed. It does not after the user went
     /// to another frame.
-    #[must_use]
     pub fn follows(&self, frame: usize, speed: f64) -> bool {
         self.shown == frame && self.speed == speed
     }
@@ -67,7 +65,6 @@ impl PlayClock {
     }
 
     /// The time until the next frame is due, s.
-    #[must_use]
     pub fn until_next_s(&self, now_s: f64, open: &OpenProject) -> f64 {
         (self.next_due_s(open) - now_s).max(0.0)
     }

@@ -83,7 +83,6 @@ pub struct RecentDocument {
 
 impl RecentDocument {
     /// A document with its first picture.
-    #[must_use]
     pub fn new(file: &Path, picture: Option<&FrameRef>) -> Self {
         Self {
             file: file.to_path_buf(),
@@ -96,7 +95,6 @@ impl RecentDocument {
     }
 
     /// The picture of the first frame, if the document had one.
-    #[must_use]
     pub fn picture(&self) -> Option<FrameRef> {
         let path = self.picture.clone()?;
         Some(match self.video_frame {
@@ -170,7 +168,6 @@ pub const PICTURE_MEMORY_MIB: std::ops::RangeInclusive<u32> = 128..=16_384;
 pub const TEXT_SIZE: std::ops::RangeInclusive<f32> = 0.75..=2.0;
 
 /// A size of texts, clamped to its range.
-#[must_use]
 pub const fn text_size_within_limits(size: f32) -> f32 {
     if size.is_finite() {
         size.clamp(*TEXT_SIZE.start(), *TEXT_SIZE.end())
@@ -256,7 +253,6 @@ impl Settings {
     }
 
     /// The style of the lines of a field template, in the colour of its sport.
-    #[must_use]
     pub fn overlay_of(&self, template: &str) -> OverlayStyle {
         let colour = Sport::from_template(template).map_or(self.overlay.colour, |sport| {
             self.line_colours

@@ -145,7 +145,6 @@ pub enum TrainerOrder {
 
 impl TrainerActivity {
     /// The activity as text, with numbers.
-    #[must_use]
     pub fn describe(self) -> String {
         match self {
             Self::Nothing => "Up to date".to_owned(),
@@ -160,7 +159,6 @@ impl TrainerActivity {
     }
 
     /// The activity in a word or two with a number; none while there is no activity.
-    #[must_use]
     pub fn in_brief(self) -> Option<String> {
         Some(match self {
             Self::Nothing | Self::Settling => return None,
@@ -175,7 +173,6 @@ impl TrainerActivity {
 
     /// Estimated time until this activity ends, from the progress since an earlier state. None if
     /// the two are different activities, or the pace cannot be estimated yet.
-    #[must_use]
     pub fn estimate_time_left(self, earlier: Self, elapsed: Duration) -> Option<Duration> {
         /// Minimum time from which a pace is estimated.
         const MIN_ELAPSED: Duration = Duration::from_secs(4);
@@ -187,7 +184,6 @@ impl TrainerActivity {
     }
 
     /// The progress of the activity, if it has one.
-    #[must_use]
     pub const fn share(self) -> Option<Share> {
         match self {
             Self::Features(share)
@@ -200,7 +196,6 @@ impl TrainerActivity {
     }
 
     /// Whether two are the same activity, regardless of progress.
-    #[must_use]
     pub fn is_kind_of(self, other: Self) -> bool {
         std::mem::discriminant(&self) == std::mem::discriminant(&other)
     }
@@ -211,13 +206,11 @@ fn describe_share(what: &str, Share { done, of }: Share) -> String {
 }
 
 /// A remaining time as text.
-#[must_use]
 pub fn describe_left(left: Duration) -> String {
     format!("{} left", describe_estimate(left))
 }
 
 /// An estimated time as text, rounded according to its uncertainty.
-#[must_use]
 pub fn describe_estimate(time: Duration) -> String {
     match time.as_secs() {
         0..=9 => "a few seconds".to_owned(),

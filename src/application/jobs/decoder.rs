@@ -198,13 +198,11 @@ impl Decoder {
     }
 
     /// The decoded frames, for other readers.
-    #[must_use]
     pub fn pictures(&self) -> SharedPictures {
         self.memory.cache.clone()
     }
 
     /// The memory for decoded frames, bytes.
-    #[must_use]
     pub fn cache_bytes(&self) -> usize {
         self.memory.cache.budget_bytes()
     }

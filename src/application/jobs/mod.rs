@@ -19,7 +19,6 @@
 
 mod background;
 mod decoder;
-mod demo;
 mod drawn_match;
 mod error;
 #[cfg(test)]
@@ -27,9 +26,7 @@ mod fake_reader;
 mod frame_orders;
 mod frame_worker;
 mod opening;
-mod panicked;
 mod pictures;
-mod queue;
 mod runner;
 mod saver;
 mod settings_file;
@@ -38,12 +35,11 @@ mod thumbnails;
 mod trainer;
 mod worker;
 
-pub use background::{Background, BackgroundReport, Reporter};
+pub use background::{Background, BackgroundReport, Panicked, Reporter, until_it_panics};
 pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
 pub use drawn_match::{DrawnMatch, DrawnPicture, MatchOrder, draw_match};
 pub use error::JobError;
 pub use opening::{Ready, open_anything};
-pub use panicked::{Panicked, until_it_panics};
 pub use pictures::{PictureNews, PictureState, Pictures, picture_source};
 pub use runner::{Request, Runner};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};

@@ -73,19 +73,16 @@ impl Pictures {
     }
 
     /// The decoded frames, for other readers.
-    #[must_use]
     pub fn shared_pictures(&self) -> SharedPictures {
         self.decoder.pictures()
     }
 
     /// The picture of the shown frame.
-    #[must_use]
     pub fn current(&self) -> PictureState {
         self.state.clone()
     }
 
     /// The indices of the decoded frames, unordered.
-    #[must_use]
     pub fn decoded_frames(&self) -> Vec<usize> {
         let kept = self.decoder.pictures();
         self.places
@@ -107,7 +104,6 @@ impl Pictures {
     }
 
     /// Whether a frame has no thumbnail because it cannot be read.
-    #[must_use]
     pub fn has_no_thumbnail(&self, frame: &FrameRef) -> bool {
         self.thumbnails.has_failed(frame)
     }
@@ -252,7 +248,6 @@ fn broke_down(what: &str, message: &str) -> Action {
 }
 
 /// The file, or the video and its frame, from which a frame's pixels are read.
-#[must_use]
 pub fn picture_source(open: &OpenProject, index: usize) -> Option<FrameRef> {
     open.frame(index)?.picture_source(&open.folder)
 }

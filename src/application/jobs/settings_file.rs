@@ -25,7 +25,6 @@ pub enum SettingsError {
 const MAX_BYTES: u64 = 1 << 20;
 
 /// The path of the user's settings. `None` on a system without a home folder.
-#[must_use]
 pub fn settings_path() -> Option<PathBuf> {
     Some(
         directories::ProjectDirs::from("", "", "touchline")?
@@ -35,7 +34,6 @@ pub fn settings_path() -> Option<PathBuf> {
 }
 
 /// Reads the settings. If that fails, the defaults and the reason; a missing file is no failure.
-#[must_use]
 pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
     match read_named_text(path, MAX_BYTES) {
         Ok(text) => match Settings::from_json(&text) {

@@ -26,7 +26,6 @@ const MOST_WAITED: Duration = Duration::from_millis(500);
 
 impl SharedPictures {
     /// A memory of up to `budget_bytes` of pixels.
-    #[must_use]
     pub fn new(budget_bytes: usize) -> Self {
         Self(Arc::new(Shared {
             frames: Mutex::new(FrameCache::new(budget_bytes)),
@@ -36,25 +35,21 @@ impl SharedPictures {
     }
 
     /// A memory of no pixels, for work without a window.
-    #[must_use]
     pub fn none() -> Self {
         Self::new(0)
     }
 
     /// The picture of a frame, if it is in memory. Marks it as used.
-    #[must_use]
     pub fn get(&self, frame: &FrameRef) -> Option<Picture> {
         self.lock().get(frame)
     }
 
     /// Whether a frame is in memory. Does not mark it as used.
-    #[must_use]
     pub fn contains(&self, frame: &FrameRef) -> bool {
         self.lock().contains(frame)
     }
 
     /// The memory budget, bytes.
-    #[must_use]
     pub fn budget_bytes(&self) -> usize {
         self.lock().budget_bytes()
     }

@@ -133,7 +133,6 @@ impl Thumbnails {
     }
 
     /// Whether a frame has no thumbnail because it cannot be read.
-    #[must_use]
     pub fn has_failed(&self, frame: &FrameRef) -> bool {
         self.memory.failed.contains(frame)
     }

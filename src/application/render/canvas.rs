@@ -1,15 +1,11 @@
 //! The state of one canvas between `prepare` and `paint`: view, vertices, draw calls.
 
-use super::fill::{FillVertex, append_triangles};
+use super::fill::{FillVertex, HeatInstance, append_triangles, bind_heat};
 use super::gpu::Gpu;
-use super::group::{GroupInstance, GroupTarget};
-use super::heat::{self, HeatInstance};
-use super::layer::Layer;
-use super::marker::MarkerInstance;
 use super::picture::{PictureCache, PictureInstance};
-use super::pipelines::Pipelines;
-use super::stroke::append_segments;
-use super::view::View;
+use super::pipelines::{GroupInstance, GroupTarget, Pipelines};
+use super::stroke::{MarkerInstance, append_segments};
+use super::view::{Layer, View};
 use crate::scene::drawing::{Drawing, StrokeGroup};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
@@ -131,7 +127,7 @@ impl Canvas {
                     }
                 }
                 Layer::Heat(map, opacity) => {
-                    if let Some(bind_group) = heat::bind(gpu, &pipelines.group_layout, map) {
+                    if let Some(bind_group) = bind_heat(gpu, &pipelines.group_layout, map) {
                         let instance = HeatInstance::new(map.image_size, opacity.clamp(0.0, 1.0));
                         self.draws.push(Draw::Heat {
                             bind_group,

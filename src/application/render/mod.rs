@@ -9,25 +9,22 @@
 mod canvas;
 mod fill;
 mod gpu;
-mod group;
-mod heat;
-mod layer;
-mod marker;
-mod mipmap;
 mod offscreen;
 mod picture;
 mod pipelines;
-mod renderer;
 mod stroke;
 mod text;
 mod view;
 
 pub use gpu::Gpu;
-pub use layer::{Layer, PictureKey, PictureLayer};
 pub use offscreen::{AdapterReport, Offscreen, RenderError};
 pub use picture::SMOOTH_UP_TO_SCALE;
-pub use renderer::{CanvasId, Renderer};
-pub use view::View;
+pub use view::{Layer, PictureKey, PictureLayer, View};
+
+use self::canvas::Canvas;
+use self::picture::PictureCache;
+use self::pipelines::Pipelines;
+use std::collections::BTreeMap;
 
 /// Begins a pass that clears one target and draws on it.
 fn begin_pass<'encoder>(
@@ -49,4 +46,58 @@ fn begin_pass<'encoder>(
         })],
         ..wgpu::RenderPassDescriptor::default()
     })
+}
+
+/// One surface that layers are drawn on: the viewport, the loupe, the field map.
+///
+/// Each has its own buffers, so that several canvases can be prepared before the first is painted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CanvasId(pub u64);
+
+/// The pipelines, the pictures on the GPU, and the canvases.
+#[derive(Debug)]
+pub struct Renderer {
+    pipelines: Pipelines,
+    pictures: PictureCache,
+    canvases: BTreeMap<CanvasId, Canvas>,
+}
+
+impl Renderer {
+    /// Builds the pipelines for passes with one colour attachment of `format`, one sample and no
+    /// depth.
+    ///
+    /// `format` must be in gamma space (`Rgba8Unorm`, `Bgra8Unorm`), not an `Srgb` format: colours
+    /// are written as they are stored.
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        Self {
+            pipelines: Pipelines::new(device, format),
+            pictures: PictureCache::new(device),
+            canvases: BTreeMap::new(),
+        }
+    }
+
+    /// Uploads what the layers of a canvas need, and records the passes that precede the one of
+    /// [`Self::paint`].
+    ///
+    /// Call it at most once per canvas between two submissions: a second call overwrites the first.
+    pub fn prepare(&mut self, mut gpu: Gpu<'_>, id: CanvasId, view: &View, layers: &[Layer]) {
+        let canvas = self
+            .canvases
+            .entry(id)
+            .or_insert_with(|| Canvas::new(gpu.device, &self.pipelines));
+        canvas.prepare(&mut gpu, &self.pipelines, &mut self.pictures, view, layers);
+    }
+
+    /// Draws the layers that were last prepared for a canvas. The pass's viewport must be the
+    /// canvas, with the size [`View::size_px`]. A canvas that was never prepared draws nothing.
+    pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>, id: CanvasId) {
+        if let Some(canvas) = self.canvases.get(&id) {
+            canvas.paint(pass, &self.pipelines);
+        }
+    }
+
+    /// Frees the GPU memory of a canvas that is no longer shown.
+    pub fn forget(&mut self, id: CanvasId) {
+        self.canvases.remove(&id);
+    }
 }

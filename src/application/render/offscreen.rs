@@ -1,10 +1,9 @@
 //! Renders layers into pictures, without a window.
 
 use super::gpu::{Gpu, create_texture};
-use super::layer::Layer;
-use super::renderer::{CanvasId, Renderer};
 use super::text::write_labels;
-use super::view::View;
+use super::view::{Layer, View};
+use super::{CanvasId, Renderer};
 use crate::scene::drawing::Colour;
 use image::RgbaImage;
 use std::fmt;
@@ -65,7 +64,6 @@ pub struct AdapterReport {
 
 impl AdapterReport {
     /// The description of a wgpu adapter.
-    #[must_use]
     pub fn from_info(info: &wgpu::AdapterInfo) -> Self {
         Self {
             name: info.name.clone(),
@@ -161,7 +159,6 @@ impl Offscreen {
     }
 
     /// The adapter that draws.
-    #[must_use]
     pub const fn adapter(&self) -> &AdapterReport {
         &self.adapter
     }

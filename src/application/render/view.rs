@@ -1,5 +1,11 @@
 //! The transform from a picture to a canvas.
 
+use crate::scene::PictureLook;
+use crate::scene::drawing::Drawing;
+use crate::scene::uncertainty::HeatMap;
+use std::sync::Arc;
+use touchline_vision::media;
+
 /// The transform from picture to canvas, and the size of the canvas.
 ///
 /// `canvas = image × scale + offset_px`, both in the corner convention: (0, 0) is the top-left
@@ -18,7 +24,6 @@ pub struct View {
 
 impl View {
     /// A picture at its own size, one px of the canvas for each of its px.
-    #[must_use]
     pub const fn one_to_one(size_px: [u32; 2]) -> Self {
         Self {
             scale: 1.0,
@@ -29,7 +34,6 @@ impl View {
     }
 
     /// A picture scaled to fit the canvas, centred.
-    #[must_use]
     pub fn fit(picture_px: [u32; 2], size_px: [u32; 2]) -> Self {
         let [width, height] = picture_px.map(|side| side.max(1) as f32);
         let [canvas_width, canvas_height] = size_px.map(|side| side as f32);
@@ -47,13 +51,39 @@ impl View {
     }
 
     /// The point of the canvas for a point of the picture, physical px.
-    #[must_use]
     pub fn canvas_from_image(&self, point: [f32; 2]) -> [f32; 2] {
         [
             point[0] * self.scale + self.offset_px[0],
             point[1] * self.scale + self.offset_px[1],
         ]
     }
+}
+
+/// The identity of a picture's pixels: equal keys mean equal pixels, so that they are uploaded
+/// once. The caller chooses the keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PictureKey(pub u64);
+
+/// A picture with its top-left corner at the origin.
+#[derive(Clone, Debug)]
+pub struct PictureLayer {
+    /// Identifies the pixels.
+    pub key: PictureKey,
+    /// sRGB bytes; drawn unchanged, in gamma space.
+    pub pixels: media::Picture,
+    /// Brightness, contrast and gamma. A darker picture makes lines stand out.
+    pub look: PictureLook,
+}
+
+/// One layer of a canvas.
+#[derive(Clone, Debug)]
+pub enum Layer {
+    /// A frame.
+    Picture(PictureLayer),
+    /// A heat map of the overlay's uncertainty, and its opacity from 0 to 1.
+    Heat(Arc<HeatMap>, f32),
+    /// Lines, areas and markers.
+    Drawing(Arc<Drawing>),
 }
 
 #[cfg(test)]

@@ -20,7 +20,6 @@ pub struct Colour {
 
 impl Colour {
     /// An opaque colour.
-    #[must_use]
     pub const fn rgb(r: u8, g: u8, b: u8) -> Self {
         Self { r, g, b, a: 255 }
     }

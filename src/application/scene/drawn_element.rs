@@ -26,7 +26,6 @@ pub struct ElementReach {
 /// The drawn landmark or line nearest to a point of the picture; none within reach.
 ///
 /// A landmark within reach precedes every line, because landmarks lie on lines.
-#[must_use]
 pub fn element_at(
     scene: &OverlayScene<'_>,
     at: ImagePoint,

@@ -40,7 +40,6 @@ pub struct FieldMap {
 
 impl FieldMap {
     /// The map of a field with a margin on each side.
-    #[must_use]
     pub fn new(field: &FieldModel, margin_m: f64, px_per_m: f64) -> Self {
         let reach_m = [
             field.length_m / 2.0 + margin_m,
@@ -63,7 +62,6 @@ impl FieldMap {
     }
 
     /// Size of the map, px.
-    #[must_use]
     pub fn size_px(&self) -> ImageSize {
         let [width, height] = self
             .reach_m
@@ -77,7 +75,6 @@ impl FieldMap {
     }
 
     /// The point of the map for a point of the field, px. The height is ignored.
-    #[must_use]
     pub fn map_from_world(&self, point_in_world: Vec3) -> ImagePoint {
         ImagePoint::new(
             (self.reach_m[0] + self.sign() * point_in_world.x) * self.px_per_m,
@@ -86,7 +83,6 @@ impl FieldMap {
     }
 
     /// The point of the nominal ground (z = 0) for a point of the map, m.
-    #[must_use]
     pub fn world_from_map(&self, point: ImagePoint) -> Vec3 {
         Vec3::new(
             self.sign() * (point.x / self.px_per_m - self.reach_m[0]),
@@ -111,7 +107,6 @@ pub struct FieldMapDrawing {
 }
 
 /// Draws the field map of a scene.
-#[must_use]
 pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
     let field = scene.field;
     let (x, y) = (field.length_m / 2.0, field.width_m / 2.0);
@@ -235,7 +230,6 @@ fn append_clicked(scene: &OverlayScene<'_>, map: &FieldMap, over: &mut Drawing) 
 
 /// The frame's picture projected onto the map; transparent where the picture shows nothing. Each
 /// pixel of the map is the mean of four samples of the picture.
-#[must_use]
 pub fn picture_from_above(
     picture: &Picture,
     field: &FieldModel,

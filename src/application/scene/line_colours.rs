@@ -101,7 +101,6 @@ const fn sport(id: &'static str, name: &'static str, ground: Ground, colour: [u8
 impl Sport {
     /// The sport that gives the lines of a built-in field template their colour. `None` for a
     /// user's own template.
-    #[must_use]
     pub fn from_template(template: &str) -> Option<&'static Self> {
         let alike = COLOURED_ALIKE.iter().find(|(other, _)| *other == template);
         let template = alike.map_or(template, |(_, sport)| sport);

@@ -30,7 +30,6 @@ pub struct NextClick {
 
 impl NextClick {
     /// The gain, as a phrase for the user.
-    #[must_use]
     pub fn gain(&self) -> String {
         match self.share_left {
             share if share < 0.4 => format!("error {:.0} times smaller", 1.0 / share),
@@ -42,7 +41,6 @@ impl NextClick {
 
 /// The unclicked landmarks on the ground in the view of a solved frame, the most useful first.
 /// Landmarks that gain too little are left out.
-#[must_use]
 pub fn next_clicks(
     field: &FieldModel,
     camera: &PtzCamera,

@@ -61,7 +61,6 @@ pub enum CameraStatus {
 
 impl CameraStatus {
     /// The standing of the camera of a frame.
-    #[must_use]
     pub fn from_frame(frame: &Frame) -> Self {
         if frame.status == FrameStatus::Suggested {
             Self::Proposed
@@ -96,7 +95,6 @@ pub struct OverlayScene<'a> {
 
 impl<'a> OverlayScene<'a> {
     /// A scene without camera and clicks, with one canvas px per px of the picture.
-    #[must_use]
     pub const fn new(
         field: &'a FieldModel,
         image_size: ImageSize,
@@ -117,7 +115,6 @@ impl<'a> OverlayScene<'a> {
 }
 
 /// The colour of a click's marker when the click is not selected.
-#[must_use]
 pub fn click_colour(click: &Click, disputed: bool) -> Colour {
     if disputed {
         DISPUTED
@@ -142,7 +139,6 @@ pub(super) fn marker_colour(click: &Click, disputed: bool, selected: bool) -> Co
 }
 
 /// The whole overlay: lines, landmarks, and the clicks on top.
-#[must_use]
 pub fn overlay(scene: &OverlayScene<'_>) -> Drawing {
     let mut drawing = Drawing::default();
     append_field(scene, &mut drawing);
@@ -151,7 +147,6 @@ pub fn overlay(scene: &OverlayScene<'_>) -> Drawing {
 }
 
 /// The field alone: its lines, and unclicked landmarks as small rings.
-#[must_use]
 pub fn field_overlay(scene: &OverlayScene<'_>) -> Drawing {
     let mut drawing = Drawing::default();
     append_field(scene, &mut drawing);
@@ -160,7 +155,6 @@ pub fn field_overlay(scene: &OverlayScene<'_>) -> Drawing {
 
 /// The clicks alone: for each a marker with its code, and a thin line to where the camera predicts
 /// it.
-#[must_use]
 pub fn click_overlay(scene: &OverlayScene<'_>) -> Drawing {
     let mut drawing = Drawing::default();
     append_clicks(scene, &mut drawing);
@@ -168,7 +162,6 @@ pub fn click_overlay(scene: &OverlayScene<'_>) -> Drawing {
 }
 
 /// Masks: boxes from which no features are taken.
-#[must_use]
 pub fn mask_overlay(boxes: &[PixelBox]) -> Drawing {
     Drawing {
         areas: boxes

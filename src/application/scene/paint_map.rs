@@ -48,7 +48,6 @@ const SQUARE_PX: usize = 6;
 
 impl PaintMapFrame {
     /// The mapping that just contains all frames. `None` without frames.
-    #[must_use]
     pub fn from_scene(scene: &PaintMapScene<'_>) -> Option<Self> {
         // Pan is measured from the first frame's, so that a range across ±180° stays one interval.
         let middle = scene.frames.first()?.0.pan;
@@ -91,7 +90,6 @@ impl PaintMapFrame {
     }
 
     /// The point of the map for a ray, px.
-    #[must_use]
     pub fn map_from_ray(&self, ray: PanTilt) -> ImagePoint {
         // Turn from the middle of the map: a turn is at most 180°, so that one from the left edge
         // would not reach the right part of a wide map.
@@ -105,7 +103,6 @@ impl PaintMapFrame {
     }
 
     /// The ray for a point of the map.
-    #[must_use]
     pub fn ray_from_map(&self, at: ImagePoint) -> PanTilt {
         PanTilt {
             pan: (self.left + Angle::from_degrees(at.x / self.px_per_degree)).wrap(),
@@ -130,7 +127,6 @@ impl PaintMapFrame {
 
     /// The index of the frame that shows a point of the map nearest to its centre. `None` if no
     /// frame shows it.
-    #[must_use]
     pub fn frame_at(&self, scene: &PaintMapScene<'_>, at: ImagePoint) -> Option<usize> {
         let ray = self.ray_from_map(at);
         let frames = scene
@@ -158,7 +154,6 @@ fn distance_from_centre_px(camera: &PtzCamera, size: ImageSize, ray: PanTilt) ->
 }
 
 /// Draws the map: ground, paint, lines, each over the one before.
-#[must_use]
 pub fn paint_map_picture(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Option<Picture> {
     let (width, height) = (frame.size.width as usize, frame.size.height as usize);
     let mut rgba = UNSEEN.repeat(width * height);
@@ -210,7 +205,6 @@ fn pixel_at(at: ImagePoint) -> Option<(usize, usize)> {
 
 /// The painted lines of the field on the map, cut into pieces that lie within it. Points are about
 /// 1 px apart.
-#[must_use]
 pub fn line_pieces(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Vec<Vec<ImagePoint>> {
     const SPACING_M: f64 = 0.1;
     let mut pieces = Vec::new();

@@ -60,7 +60,6 @@ impl PictureLook {
     pub const RANGE: std::ops::RangeInclusive<f32> = 0.25..=4.0;
 
     /// A look with only the brightness changed.
-    #[must_use]
     pub fn from_brightness(brightness: f32) -> Self {
         Self {
             brightness,

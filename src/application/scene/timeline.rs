@@ -26,7 +26,6 @@ pub struct TimelineSource {
 
 impl TimelineSource {
     /// The state of a document. Frames are shared, not copied.
-    #[must_use]
     pub fn from_document(document: &Document) -> Self {
         Self {
             frames: document.frames.clone(),
@@ -68,7 +67,6 @@ pub struct TimelineCut {
 
 impl Timeline {
     /// Summarises a document in at most `parts` parts; the shots are those of `video`.
-    #[must_use]
     pub fn from_document(document: &Document, video: &str, parts: usize) -> Self {
         let frames = document.frames.len();
         let count = parts.min(frames);
@@ -108,7 +106,6 @@ impl Timeline {
     /// The timeline of `document`, updated from this one, which was made of `before`: only parts
     /// with changed frames are summarised again. `None` if cuts may have moved or too many frames
     /// have changed; then [`Self::from_document`] is needed.
-    #[must_use]
     pub fn follow_changes(&self, document: &Document, before: &TimelineSource) -> Option<Self> {
         let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else {
             return None;
@@ -146,26 +143,22 @@ impl Timeline {
     }
 
     /// The interval of a part, as shares of the whole length.
-    #[must_use]
     pub fn span_of_part(&self, part: usize) -> [f64; 2] {
         let count = self.parts.len().max(1) as f64;
         [part as f64 / count, (part + 1) as f64 / count]
     }
 
     /// The middle of a frame, as a share of the whole length.
-    #[must_use]
     pub fn share_of(&self, position: usize) -> f64 {
         (position as f64 + 0.5) / self.frames.max(1) as f64
     }
 
     /// The beginning of a frame, as a share of the whole length.
-    #[must_use]
     pub fn beginning_of(&self, position: usize) -> f64 {
         position as f64 / self.frames.max(1) as f64
     }
 
     /// The frame at a share of the whole length; beyond the ends the first or the last.
-    #[must_use]
     pub fn frame_at(&self, share: f64) -> usize {
         ((share.max(0.0) * self.frames as f64) as usize).min(self.frames.saturating_sub(1))
     }

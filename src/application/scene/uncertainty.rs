@@ -66,7 +66,6 @@ pub struct HeatMap {
 
 impl HeatMap {
     /// Computes the map of a solved frame.
-    #[must_use]
     pub fn new(uncertainty: &Uncertainty, camera: &PtzCamera, image_size: ImageSize) -> Self {
         let [columns, rows] = HEAT_GRID;
         let levels = (0..rows)
@@ -101,7 +100,6 @@ fn grid_position_px(index: u32, count: u32, length_px: u32) -> f64 {
 
 /// The position of a 1-σ on the colour scale: 0 is the first colour, 1 the last. `sigma_px` is in
 /// px of the picture.
-#[must_use]
 pub fn heat_level(sigma_px: f64, image_size: ImageSize) -> f64 {
     let (from_px, to_px) = HEAT_FROM_TO_PX;
     let share = (sigma_px / image_size.scale_from_1920() / from_px).ln() / (to_px / from_px).ln();
@@ -115,7 +113,6 @@ pub fn heat_level(sigma_px: f64, image_size: ImageSize) -> f64 {
 }
 
 /// The 1-σ of each colour of the scale, px of the picture.
-#[must_use]
 pub fn heat_ticks_px(image_size: ImageSize) -> [f64; HEAT_STOPS.len()] {
     let (from_px, to_px) = HEAT_FROM_TO_PX;
     let steps = (HEAT_STOPS.len() - 1) as f64;
@@ -125,7 +122,6 @@ pub fn heat_ticks_px(image_size: ImageSize) -> [f64; HEAT_STOPS.len()] {
 }
 
 /// A band of ±1-σ around the lines, in which they truly lie in 68 of 100 frames.
-#[must_use]
 pub fn band(
     uncertainty: &Uncertainty,
     field: &FieldModel,

@@ -14,8 +14,7 @@ use touchline_application::testing::{base, landmark_in};
 use touchline_calibration::calibrate::check_solutions;
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::Vec3;
-use touchline_core::testing::SIZE;
-use touchline_core::testing::TestBase;
+use touchline_core::testing::{SIZE, TestBase};
 use touchline_documents::document::{
     Document, Frame, FrameStatus, Solution, SolutionSource, Target, document_to_string,
 };

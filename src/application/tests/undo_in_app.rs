@@ -11,9 +11,8 @@ use touchline_application::app::{
 };
 use touchline_application::testing::{base, landmark_in, without_counts};
 use touchline_core::geometry::{ImagePoint, Vec3};
-use touchline_core::testing::TestBase;
 use touchline_core::testing::child::{numbers_behind, spawn_test};
-use touchline_core::testing::{SIZE, pixel_box};
+use touchline_core::testing::{SIZE, TestBase, pixel_box};
 use touchline_documents::document::{
     Camera, Document, FieldSpec, RejectReason, Target, document_to_string,
 };

@@ -60,7 +60,6 @@ impl Messages {
     }
 
     /// A progress bar for `count` steps. Visible only on a terminal, and not with JSON.
-    #[must_use]
     pub fn progress(self, count: usize, what: &'static str) -> ProgressBar {
         let shown = self == Self::Text && std::io::stderr().is_terminal();
         let target = if shown {

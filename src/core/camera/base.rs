@@ -38,7 +38,6 @@ pub struct BaseAngles {
 impl BaseAngles {
     /// The rotation `base_from_world` of these angles: roll · pitch · heading ·
     /// level-looking-along-+y.
-    #[must_use]
     pub fn base_from_world(self) -> Mat3 {
         use crate::geometry::rotation::q_tilt;
         let level = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
@@ -46,7 +45,6 @@ impl BaseAngles {
     }
 
     /// The angles of a rotation. Looking straight up or down the heading is taken as zero.
-    #[must_use]
     pub fn from_base_from_world(base_from_world: &Mat3) -> Self {
         // Rows of a rotation to `base` are the axes of `base` in `world`; row 2 is the view axis.
         let forward = base_from_world.row(2).transpose();
@@ -82,7 +80,6 @@ fn q_roll(roll: Angle) -> Mat3 {
 
 impl CameraBase {
     /// A base that is exactly known, without distortion.
-    #[must_use]
     pub fn new(position_m: Vec3, base_from_world: Mat3, principal_point: ImagePoint) -> Self {
         Self {
             position_m,
@@ -95,7 +92,6 @@ impl CameraBase {
 
     /// The base rotation with a pan axis (`world`, of unit length, not along world y) in the pan
     /// gauge: at pan zero the camera looks, seen from above, along world +y.
-    #[must_use]
     pub fn rotation_about(pan_axis: &Vec3) -> Mat3 {
         // The rows are the axes of `base` in `world`: right, perpendicular to world y as the gauge
         // requires; down, along −axis; forward.
@@ -118,13 +114,11 @@ impl CameraBase {
     }
 
     /// The direction from the camera to a world point, in `base`, not normalised (m).
-    #[must_use]
     pub fn base_from_world_point(&self, point_in_world: Vec3) -> Vec3 {
         self.base_from_world * (point_in_world - self.position_m)
     }
 
     /// Whether all entries are finite.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         self.position_m
             .iter()
@@ -135,14 +129,12 @@ impl CameraBase {
     }
 
     /// The base rotation as heading, pitch and roll.
-    #[must_use]
     pub fn angles(&self) -> BaseAngles {
         BaseAngles::from_base_from_world(&self.base_from_world)
     }
 
     /// The same base in the pan gauge of the conventions (at pan 0 it looks, seen from above, along
     /// world +y) and the angle to add to every pan of frames solved with the old one.
-    #[must_use]
     pub fn in_pan_gauge(&self) -> (Self, Angle) {
         let forward = self.base_from_world.row(2).transpose();
         let right = self.base_from_world.row(0).transpose();
@@ -161,7 +153,6 @@ impl CameraBase {
     }
 
     /// The rotation vector (in `world`, rad) that leads from another base's rotation to this one's.
-    #[must_use]
     pub fn rotation_from(&self, other: &Self) -> Vec3 {
         rotation_vector(&(other.base_from_world.transpose() * self.base_from_world))
     }

@@ -41,7 +41,6 @@ pub struct BaseSigma {
 impl BaseSigma {
     /// From a joint covariance of the shared parameters; `crown_width_m` is the width of the pitch
     /// whose crown is among them.
-    #[must_use]
     pub fn from_covariance(covariance: &SharedCovariance, crown_width_m: f64) -> Self {
         // `max` alone would make a variance that is not a number zero, which means exactly known.
         let deviation = covariance.diagonal().map(|variance| {
@@ -64,7 +63,6 @@ impl BaseSigma {
     }
 
     /// The joint covariance of the shared parameters.
-    #[must_use]
     pub fn covariance(&self) -> SharedCovariance {
         let (deviation, correlation) = (self.deviations(), self.correlation.matrix());
         SharedCovariance::from_fn(|row, column| {
@@ -82,7 +80,6 @@ impl BaseSigma {
     }
 
     /// The covariance of the position, m².
-    #[must_use]
     pub fn position_covariance(&self) -> Mat3 {
         self.covariance().fixed_view::<3, 3>(0, 0).into_owned()
     }
@@ -104,7 +101,6 @@ impl BaseSigma {
     }
 
     /// Whether lens, crown and principal point are taken as exact.
-    #[must_use]
     pub fn is_of_pose_alone(&self) -> bool {
         self.deviations()
             .iter()
@@ -155,7 +151,6 @@ impl BaseSigma {
     /// conditional mean `C_xp C_pp⁻¹ e` of the joint Gaussian (`C_pp`: covariance of the position,
     /// `C_xp`: of all parameters with it), so that rotation and lens follow the position as they
     /// are correlated with it. Where the position is exactly known, nothing else changes.
-    #[must_use]
     pub fn following_position(&self, error_m: Vec3) -> SharedError {
         let covariance = self.covariance();
         let of_position: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into_owned();
@@ -218,7 +213,6 @@ impl BaseSigma {
 
     /// A lower triangular matrix L with L Lᵀ = the covariance of position (m), rotation vector in
     /// `world` (rad, the gauge included), k₁, its slope, crown (m) and principal point (px).
-    #[must_use]
     pub(crate) fn root(&self) -> SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS> {
         let (correlation, deviation) = (self.correlation.matrix(), self.deviations());
         let mut root = SMatrix::<f64, SHARED_COLUMNS, SHARED_COLUMNS>::zeros();

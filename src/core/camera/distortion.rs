@@ -46,7 +46,6 @@ impl FocalCurve {
     pub const WITHOUT_FOLD: f64 = 2.0;
 
     /// The same k₁ at every focal length.
-    #[must_use]
     pub const fn constant(k1: f64) -> Self {
         Self {
             at_focal_px: 0.0,
@@ -57,7 +56,6 @@ impl FocalCurve {
     }
 
     /// The lens with these coefficients at every focal length; none where k₂ comes without k₁.
-    #[must_use]
     pub fn through(Radial { k1, k2 }: Radial) -> Option<Self> {
         // The curve has k₂ only as a multiple of k₁².
         if k1 == 0.0 && k2 != 0.0 {
@@ -72,14 +70,12 @@ impl FocalCurve {
 
     /// k₁ at a focal length.
     #[inline]
-    #[must_use]
     pub fn at(&self, focal_px: f64) -> f64 {
         self.value + self.slope_per_px() * (focal_px - self.at_focal_px)
     }
 
     /// Both coefficients at a focal length.
     #[inline]
-    #[must_use]
     pub fn radial_at(&self, focal_px: f64) -> Radial {
         let k1 = self.at(focal_px);
         Radial {
@@ -90,14 +86,12 @@ impl FocalCurve {
 
     /// The derivative of the stretch at an ideal radius (squared) by k₁, with k₂ = α k₁² following.
     #[inline]
-    #[must_use]
     pub fn stretch_by_k1(&self, focal_px: f64, radius_squared: f64) -> f64 {
         radius_squared * (1.0 + radius_squared * 2.0 * self.k2_per_k1_squared * self.at(focal_px))
     }
 
     /// dk₁/df, per px.
     #[inline]
-    #[must_use]
     pub fn slope_per_px(&self) -> f64 {
         self.per_1000_px / 1000.0
     }
@@ -141,7 +135,6 @@ impl FocalCurve {
     }
 
     /// Whether all coefficients are finite.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         [
             self.at_focal_px,
@@ -156,27 +149,23 @@ impl FocalCurve {
 
 impl Radial {
     /// A lens with k₁ alone.
-    #[must_use]
     pub const fn k1(k1: f64) -> Self {
         Self { k1, k2: 0.0 }
     }
 
     /// The factor by which distortion scales a point at this ideal radius (squared).
     #[inline]
-    #[must_use]
     pub fn stretch(&self, radius_squared: f64) -> f64 {
         1.0 + radius_squared * (self.k1 + radius_squared * self.k2)
     }
 
     /// The derivative of the distorted radius by the ideal one.
     #[inline]
-    #[must_use]
     pub fn slope(&self, radius_squared: f64) -> f64 {
         1.0 + radius_squared * (3.0 * self.k1 + radius_squared * 5.0 * self.k2)
     }
 
     /// The largest [`Self::slope`] up to an ideal radius (squared), at least 1.
-    #[must_use]
     pub(crate) fn greatest_slope(&self, radius_squared: f64) -> f64 {
         // With k₁ > 0 and k₂ < 0 the slope is greatest where its derivative 3 k₁ + 10 k₂ s
         // vanishes, with any other signs at an end.
@@ -190,7 +179,6 @@ impl Radial {
 
     /// The derivative of the distorted point by the ideal one.
     #[inline]
-    #[must_use]
     pub fn by_ideal(&self, ideal: Vec2) -> Matrix2<f64> {
         // d(x s(r²))/dx = s I + 2 s' x xᵀ, with s' the derivative of the stretch s by r².
         let squared = ideal.norm_squared();
@@ -208,13 +196,11 @@ impl Radial {
     }
 
     /// Whether there is no distortion.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         self.k1 == 0.0 && self.k2 == 0.0
     }
 
     /// The ideal r² at which the stretch has its minimum; none where it has none.
-    #[must_use]
     pub fn narrowest_radius_squared(&self) -> Option<f64> {
         (self.k1 < 0.0 && self.k2 > 0.0).then(|| self.k1 / (-2.0 * self.k2))
     }
@@ -222,7 +208,6 @@ impl Radial {
     /// The largest ideal r² that has an image, where the slope vanishes first; infinite where it
     /// never does.
     #[inline]
-    #[must_use]
     pub fn fold_radius_squared(&self) -> f64 {
         if self.k2 == 0.0 {
             return if self.k1 < 0.0 {

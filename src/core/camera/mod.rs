@@ -8,11 +8,9 @@
 
 mod base;
 mod base_sigma;
-mod distance;
 mod distortion;
 mod jacobian;
 mod projection;
-mod ray;
 mod shared_parameters;
 
 pub use base::{BaseAngles, CameraBase};
@@ -20,19 +18,17 @@ pub use base_sigma::BaseSigma;
 pub use distortion::{FocalCurve, Radial, UndistortError};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{ProjectError, PtzCamera};
-pub use ray::PanTilt;
 pub(crate) use shared_parameters::SHARED_COLUMNS;
 pub use shared_parameters::{BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    distance::{AngularDistance, image_space_distances_px},
     distortion::undistort,
-    projection::MIN_DEPTH,
+    projection::{AngularDistance, MIN_DEPTH, image_space_distances_px},
 };
 
-use crate::geometry::rotation::{q_pan, q_tilt};
-use crate::geometry::{Angle, Mat3};
+use crate::geometry::rotation::{angle_between_directions, q_pan, q_tilt};
+use crate::geometry::{Angle, Mat3, Vec3};
 use serde::Serialize;
 
 /// The parameters of a frame beside its camera's base: pan, tilt and focal length.
@@ -50,7 +46,6 @@ pub struct Ptz {
 
 impl Ptz {
     /// From degrees and px.
-    #[must_use]
     pub const fn from_degrees(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> Self {
         Self {
             pan: Angle::from_degrees(pan_deg),
@@ -60,7 +55,6 @@ impl Ptz {
     }
 
     /// Whether all three are finite and the focal length is positive.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         self.pan.is_finite()
             && self.tilt.is_finite()
@@ -70,7 +64,6 @@ impl Ptz {
 
     /// `Q_tilt` · `Q_pan`: the rotation from the frame in which pan and tilt are given, `base` as a
     /// rule, to `cam`.
-    #[must_use]
     pub fn cam_from_base(&self) -> Mat3 {
         q_tilt(self.tilt) * q_pan(self.pan)
     }
@@ -91,4 +84,64 @@ impl Ptz {
 /// The angle at a share (0 to 1) of the way to another, by the shorter way around.
 fn interpolate_angle(from: Angle, to: Angle, share: f64) -> Angle {
     from + Angle::from_radians(to.turn_from(from).radians() * share)
+}
+
+/// A direction in `base`: pan α and tilt β of the ray itself, r = (sin α cos β, −sin β, cos α cos
+/// β).
+///
+/// These are the exact angles of the direction, so one scene point has one label whichever frame
+/// saw it; the angles of the paper's eq. (2) differ between frames by up to 1.6°.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PanTilt {
+    /// α, positive to the right.
+    pub pan: Angle,
+    /// β, positive up.
+    pub tilt: Angle,
+}
+
+impl PanTilt {
+    /// From degrees.
+    pub const fn from_degrees(pan_deg: f64, tilt_deg: f64) -> Self {
+        Self {
+            pan: Angle::from_degrees(pan_deg),
+            tilt: Angle::from_degrees(tilt_deg),
+        }
+    }
+
+    /// The angles of a direction in `base` (any length but zero): α = atan2(x, z), β = atan2(−y,
+    /// hypot(x, z)).
+    pub fn from_direction(direction_in_base: Vec3) -> Self {
+        let d = direction_in_base;
+        Self {
+            pan: Angle::from_radians(d.x.atan2(d.z)),
+            tilt: Angle::from_radians((-d.y).atan2(d.x.hypot(d.z))),
+        }
+    }
+
+    /// The unit direction in `base`.
+    pub fn direction(self) -> Vec3 {
+        let (sin_pan, cos_pan) = self.pan.sin_cos();
+        let (sin_tilt, cos_tilt) = self.tilt.sin_cos();
+        Vec3::new(sin_pan * cos_tilt, -sin_tilt, cos_pan * cos_tilt)
+    }
+
+    /// The angle between two rays.
+    pub fn angle_to(self, other: Self) -> Angle {
+        angle_between_directions(&self.direction(), &other.direction())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_survives_the_round_trip() {
+        for (pan, tilt) in [(0.0, 0.0), (40.0, -10.0), (-179.0, 80.0), (90.0, -89.0)] {
+            let ray = PanTilt::from_degrees(pan, tilt);
+            let again = PanTilt::from_direction(ray.direction() * 3.0);
+            assert!(ray.angle_to(again).degrees() < 1e-12);
+            assert!((again.pan.degrees() - pan).abs() < 1e-9);
+        }
+    }
 }

@@ -72,7 +72,6 @@ impl BaseCorrelation {
     /// From the rows of a correlation matrix of the shared parameters, or of the first five of
     /// them: position x, y, z and rotation about x, y. None where it is not a correlation matrix:
     /// not symmetric, not ones on the diagonal, or not positive semidefinite.
-    #[must_use]
     pub fn from_rows(rows: &[Vec<f64>]) -> Option<Self> {
         let size = rows.len();
         if !(size == GAUGE || size == SHARED_PARAMETERS) || rows.iter().any(|row| row.len() != size)
@@ -101,7 +100,6 @@ impl BaseCorrelation {
 
     /// The rows of the whole matrix, or only those of the first five parameters if the others are
     /// uncorrelated.
-    #[must_use]
     pub fn rows(&self) -> Vec<Vec<f64>> {
         let matrix = self.matrix();
         let of_pose = GAUGE * (GAUGE - 1) / 2;
@@ -119,7 +117,6 @@ impl BaseCorrelation {
     }
 
     /// The whole matrix.
-    #[must_use]
     pub fn matrix(&self) -> SharedCovariance {
         SharedCovariance::from_fn(|row, column| {
             let (later, earlier) = (row.max(column), row.min(column));

@@ -22,13 +22,11 @@ impl Crown {
 
     /// The drop of the ground below the middle at a given y, as a fraction of the crown's height:
     /// (2 y / width)², at most 1.
-    #[must_use]
     pub fn drop_share(&self, y_m: f64) -> f64 {
         (2.0 * y_m / self.width_m).clamp(-1.0, 1.0).powi(2)
     }
 
     /// The derivative of [`Self::drop_share`] by y and by the width, 1/m.
-    #[must_use]
     pub fn drop_share_by_y_and_width(&self, y_m: f64) -> [f64; 2] {
         let across = 2.0 * y_m / self.width_m;
         // Beyond the touchline the height is constant; the kink there has the outer derivative.
@@ -43,7 +41,6 @@ impl Crown {
     }
 
     /// The ground's height at a place, m.
-    #[must_use]
     pub fn ground_z(&self, y_m: f64) -> f64 {
         // Flat ground is at exactly 0, not at −0.
         if self.height_m == 0.0 {
@@ -54,7 +51,6 @@ impl Crown {
     }
 
     /// The true position of a nominal point: lifted onto this ground.
-    #[must_use]
     pub fn world_from_nominal(&self, nominal_m: Vec3) -> Vec3 {
         Vec3::new(
             nominal_m.x,
@@ -69,7 +65,6 @@ const MIN_CROWNED_WIDTH_M: f64 = 40.0;
 
 impl FieldModel {
     /// Whether fields of this width may have a crown.
-    #[must_use]
     pub fn may_be_crowned(&self) -> bool {
         self.width_m >= MIN_CROWNED_WIDTH_M
     }
@@ -84,7 +79,6 @@ impl FieldModel {
     }
 
     /// The shape of its ground.
-    #[must_use]
     pub const fn crown(&self) -> Crown {
         Crown {
             height_m: self.crown_m,
@@ -93,13 +87,11 @@ impl FieldModel {
     }
 
     /// The ground's height at a place, m: see [`Crown`].
-    #[must_use]
     pub fn ground_z(&self, y_m: f64) -> f64 {
         self.crown().ground_z(y_m)
     }
 
     /// The true position of a nominal point: lifted onto the crowned ground.
-    #[must_use]
     pub fn world_from_nominal(&self, nominal_m: Vec3) -> Vec3 {
         self.crown().world_from_nominal(nominal_m)
     }

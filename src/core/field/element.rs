@@ -18,19 +18,16 @@ pub enum FieldElement {
 
 impl FieldElement {
     /// Its name in documents; none if the field has no such element.
-    #[must_use]
     pub fn name(self, field: &FieldModel) -> Option<&str> {
         self.texts(field).map(|[name, _, _]| name)
     }
 
     /// Its label; none if the field has no such element.
-    #[must_use]
     pub fn label(self, field: &FieldModel) -> Option<&str> {
         self.texts(field).map(|[_, label, _]| label)
     }
 
     /// Its short code, for typing and beside clicks; none if the field has no such element.
-    #[must_use]
     pub fn code(self, field: &FieldModel) -> Option<&str> {
         self.texts(field).map(|[_, _, code]| code)
     }
@@ -54,7 +51,6 @@ impl FieldElement {
 
     /// The element onto which a symmetry of the field moves this one; none where the field is not
     /// symmetric.
-    #[must_use]
     pub fn twin(self, symmetry: Symmetry, field: &FieldModel) -> Option<Self> {
         match self {
             Self::Landmark(index) => {
@@ -85,7 +81,6 @@ fn line_twin(symmetry: Symmetry, field: &FieldModel, index: usize) -> Option<usi
 
 impl FieldModel {
     /// A landmark by name, as an element.
-    #[must_use]
     pub fn landmark_element(&self, id: &str) -> Option<FieldElement> {
         self.landmarks
             .iter()
@@ -94,7 +89,6 @@ impl FieldModel {
     }
 
     /// A line by name, as an element.
-    #[must_use]
     pub fn line_element(&self, id: &str) -> Option<FieldElement> {
         self.lines
             .iter()

@@ -150,7 +150,6 @@ impl Expression {
     }
 
     /// A plain number.
-    #[must_use]
     pub fn number(value: f64) -> Self {
         Self {
             text: value.to_string(),
@@ -159,7 +158,6 @@ impl Expression {
     }
 
     /// The expression as written.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }

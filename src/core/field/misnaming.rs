@@ -25,7 +25,6 @@ impl Misnaming {
 
     /// The element that is meant by the name of another one. The same where its name says nothing
     /// of the sides in question, or where the field has no such element.
-    #[must_use]
     pub fn meant_element(self, named: FieldElement, field: &FieldModel) -> FieldElement {
         let meant = match named {
             FieldElement::Landmark(index) => {
@@ -48,14 +47,12 @@ impl Misnaming {
 
     /// The landmark that is meant by a name; none if it is the same, or if the field has no such
     /// landmark.
-    #[must_use]
     pub fn meant_landmark(self, named: &LandmarkId, field: &FieldModel) -> Option<LandmarkId> {
         let meant = self.meant_name(named.as_str())?;
         field.landmark(&meant).map(|landmark| landmark.id.clone())
     }
 
     /// The line that is meant by a name; none if it is the same, or if the field has no such line.
-    #[must_use]
     pub fn meant_line(self, named: &LineId, field: &FieldModel) -> Option<LineId> {
         let meant = self.meant_name(named.as_str())?;
         let mut lines = field.lines.iter();

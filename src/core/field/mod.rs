@@ -7,7 +7,6 @@
 //! Frames, signs and units: [`crate::conventions`].
 
 mod build;
-mod builtin;
 mod crown;
 mod element;
 mod error;
@@ -23,11 +22,11 @@ mod symmetry;
 mod template;
 mod variants;
 
-pub use builtin::builtin;
 pub use crown::Crown;
 pub use element::FieldElement;
 pub use error::FieldError;
 pub use expression::{Expression, ExpressionError};
+pub use load::builtin;
 pub use misnaming::Misnaming;
 pub use model::{Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge};
 pub use symmetry::Symmetry;
@@ -35,7 +34,7 @@ pub use template::{Dimension, Param, Template};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    builtin::{builtin_names, template_named},
+    load::{builtin_names, template_named},
     model::CLICKING_SHARE,
     svg::svg,
     template::{MAX_CROWN_M, YARD_M},

@@ -15,7 +15,6 @@ macro_rules! name_type {
 
         impl $name {
             /// The name as the document writes it.
-            #[must_use]
             pub fn as_str(&self) -> &str {
                 &self.0
             }
@@ -76,7 +75,6 @@ pub struct Landmark {
 
 impl Landmark {
     /// Whether it lies on the ground by the rules, and is not the top of a post.
-    #[must_use]
     pub fn is_on_ground(&self) -> bool {
         self.nominal_m.z == 0.0
     }
@@ -149,7 +147,6 @@ pub enum Curve {
 
 impl PaintEdge {
     /// Its name in templates.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Centre => "centre",
@@ -159,7 +156,6 @@ impl PaintEdge {
     }
 
     /// The distance of the paint's centre line from the nominal line towards the inside, in widths.
-    #[must_use]
     pub const fn inward_shift(self) -> f64 {
         match self {
             Self::Centre => 0.0,
@@ -172,7 +168,6 @@ impl PaintEdge {
 impl Curve {
     /// The point at parameter `t`: 0 is the first end, 1 the last; values outside go beyond the
     /// ends.
-    #[must_use]
     pub fn point_at(&self, t: f64) -> Vec3 {
         match *self {
             Self::Segment { from, to } => from + (to - from) * t,
@@ -189,7 +184,6 @@ impl Curve {
     }
 
     /// d(point)/dt, m.
-    #[must_use]
     pub fn tangent_at(&self, t: f64) -> Vec3 {
         match *self {
             Self::Segment { from, to } => to - from,
@@ -206,7 +200,6 @@ impl Curve {
     }
 
     /// The length, m.
-    #[must_use]
     pub fn length_m(&self) -> f64 {
         match *self {
             Self::Segment { from, to } => (to - from).norm(),
@@ -217,7 +210,6 @@ impl Curve {
     }
 
     /// The distance of a point from the nearest point of the curve, m.
-    #[must_use]
     pub fn distance_m(&self, point: Vec3) -> f64 {
         match *self {
             Self::Segment { from, to } => distance_from_segment(point, [from, to]),
@@ -245,7 +237,6 @@ impl Curve {
     }
 
     /// A circle: it has no ends.
-    #[must_use]
     pub fn is_closed(&self) -> bool {
         // The tolerance covers the conversion of 360° to radians.
         matches!(self, Self::Arc { sweep, .. } if (sweep.radians().abs() - std::f64::consts::TAU).abs() < 1e-9)
@@ -275,7 +266,6 @@ pub struct FieldModel {
 
 impl FieldModel {
     /// A landmark by name.
-    #[must_use]
     pub fn landmark(&self, id: &str) -> Option<&Landmark> {
         self.landmarks
             .iter()
@@ -283,13 +273,11 @@ impl FieldModel {
     }
 
     /// A line by name.
-    #[must_use]
     pub fn line(&self, id: &str) -> Option<&FieldLine> {
         self.lines.iter().find(|line| line.id.as_str() == id)
     }
 
     /// A landmark's place in `world`, m, the crown included.
-    #[must_use]
     pub fn landmark_in_world(&self, landmark: &Landmark) -> Vec3 {
         self.world_from_nominal(landmark.nominal_m)
     }

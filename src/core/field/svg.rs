@@ -12,7 +12,6 @@ const WIDTH_PX: f64 = 1600.0;
 
 /// Draws a field from above, x to the right and y up; parts above the ground are drawn at their x
 /// and y.
-#[must_use]
 pub fn svg(field: &FieldModel) -> String {
     // Half the extent of field and landmarks; the drawing is symmetric about the field's middle.
     let corner = field

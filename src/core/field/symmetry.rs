@@ -28,7 +28,6 @@ impl Symmetry {
     pub const ALL: [Self; 3] = [Self::MirrorX, Self::MirrorY, Self::Turn180];
 
     /// Its name in templates.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::MirrorX => "mirror_x",
@@ -38,7 +37,6 @@ impl Symmetry {
     }
 
     /// The symmetry of a name.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL
             .into_iter()
@@ -46,7 +44,6 @@ impl Symmetry {
     }
 
     /// The image of a point, `world`, m.
-    #[must_use]
     pub fn apply(self, point: Vec3) -> Vec3 {
         match self {
             Self::MirrorX => Vec3::new(-point.x, point.y, point.z),
@@ -57,7 +54,6 @@ impl Symmetry {
 
     /// The landmark at the image of this one: itself, another, or none where the field is not
     /// symmetric.
-    #[must_use]
     pub fn landmark_twin<'a>(
         self,
         model: &'a FieldModel,
@@ -71,7 +67,6 @@ impl Symmetry {
     }
 
     /// The line at the image of this one; none where the field is not symmetric.
-    #[must_use]
     pub fn line_twin<'a>(self, model: &'a FieldModel, line: &FieldLine) -> Option<&'a FieldLine> {
         model
             .lines

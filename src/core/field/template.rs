@@ -62,7 +62,6 @@ pub struct Dimension {
 
 impl Template {
     /// The default values of all parameters.
-    #[must_use]
     pub fn default_params(&self) -> BTreeMap<String, f64> {
         self.params
             .iter()

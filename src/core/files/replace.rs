@@ -172,7 +172,6 @@ fn io_error(path: &Path, source: io::Error) -> NotReplaced {
 }
 
 /// The target of a link; any other path unchanged. Writing to a link writes to its target.
-#[must_use]
 pub fn follow_link(path: &Path) -> PathBuf {
     let target = if path.is_symlink() {
         fs::canonicalize(path).ok()

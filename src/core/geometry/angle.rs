@@ -27,13 +27,11 @@ impl Angle {
     };
 
     /// An angle from radians.
-    #[must_use]
     pub const fn from_radians(radians: f64) -> Self {
         Self { radians }
     }
 
     /// An angle from degrees.
-    #[must_use]
     pub const fn from_degrees(degrees: f64) -> Self {
         Self {
             radians: degrees.to_radians(),
@@ -41,13 +39,11 @@ impl Angle {
     }
 
     /// The angle in radians.
-    #[must_use]
     pub const fn radians(self) -> f64 {
         self.radians
     }
 
     /// The angle in degrees.
-    #[must_use]
     pub const fn degrees(self) -> f64 {
         self.radians.to_degrees()
     }
@@ -74,7 +70,6 @@ impl Angle {
     }
 
     /// (sine, cosine).
-    #[must_use]
     pub fn sin_cos(self) -> (f64, f64) {
         self.radians.sin_cos()
     }
@@ -88,7 +83,6 @@ impl Angle {
     }
 
     /// Neither NaN nor infinite.
-    #[must_use]
     pub const fn is_finite(self) -> bool {
         self.radians.is_finite()
     }

@@ -26,7 +26,6 @@ impl AngleRange {
 
     /// The arc from `start` in the positive sense to `end`; an end below the start lies beyond
     /// ±180°. If they differ by 360° or more, the full circle.
-    #[must_use]
     pub fn new(start: Angle, end: Angle) -> Self {
         let width = end - start;
         // Negated, so that NaN, too, gives the full circle, which excludes nothing.
@@ -51,7 +50,6 @@ impl AngleRange {
     }
 
     /// The arc around a direction, to either side.
-    #[must_use]
     pub fn around(centre: Angle, half_width: Angle) -> Self {
         if half_width.radians() < PI {
             Self::new(centre - half_width, centre + half_width)
@@ -63,13 +61,11 @@ impl AngleRange {
     /// The smallest arc that contains all of some directions: the complement of the largest gap
     /// between them. None without any. If several gaps are equally large, the arc leaves out the
     /// one that contains ±180°, or else the first above it.
-    #[must_use]
     pub fn smallest(angles: impl IntoIterator<Item = Angle>) -> Option<Self> {
         Self::smallest_of(&angles.into_iter().collect())
     }
 
     /// The smallest arc that contains all of a set of directions; none without any.
-    #[must_use]
     pub fn smallest_of(directions: &Directions) -> Option<Self> {
         directions
             .smallest_arc()
@@ -77,7 +73,6 @@ impl AngleRange {
     }
 
     /// The same with one of the directions left out.
-    #[must_use]
     pub fn smallest_without(directions: &Directions, left_out: Angle) -> Option<Self> {
         directions
             .smallest_arc_without(left_out)
@@ -86,7 +81,6 @@ impl AngleRange {
 
     /// The indices of directions in their order along the smallest arc; equal ones keep their
     /// order.
-    #[must_use]
     pub fn along_smallest(angles: &[Angle]) -> Vec<usize> {
         let Some(arc) = Self::smallest(angles.iter().copied()) else {
             return Vec::new();
@@ -100,38 +94,32 @@ impl AngleRange {
     }
 
     /// The start, within (−π, π]; −π for the full circle.
-    #[must_use]
     pub const fn start(&self) -> Angle {
         self.start
     }
 
     /// The end: not below the start, so above π where the arc contains ±180°. [`Angle::wrap`]
     /// makes it a direction.
-    #[must_use]
     pub const fn end(&self) -> Angle {
         self.end
     }
 
     /// The angle from the start to the end, at most 2π.
-    #[must_use]
     pub fn width(&self) -> Angle {
         self.end - self.start
     }
 
     /// The direction in its middle, within (−π, π].
-    #[must_use]
     pub fn centre(&self) -> Angle {
         self.middle().wrap()
     }
 
     /// Whether it is the whole circle.
-    #[must_use]
     pub fn is_full(&self) -> bool {
         self.width().radians() >= TAU
     }
 
     /// Whether a direction lies within, the ends included.
-    #[must_use]
     pub fn contains(&self, angle: Angle) -> bool {
         // The representative of the direction in [start, start + 2π), where `end` lies as well.
         let wrapped = angle.wrap();
@@ -144,7 +132,6 @@ impl AngleRange {
     }
 
     /// The angle from a direction to the nearer end; zero within.
-    #[must_use]
     pub fn distance(&self, angle: Angle) -> Angle {
         if self.contains(angle) {
             return Angle::ZERO;
@@ -170,7 +157,6 @@ impl AngleRange {
 
     /// A direction as the angle within π of the arc's middle, so that angles in the arc increase
     /// from its start to its end without a jump.
-    #[must_use]
     pub fn unwrap_angle(&self, angle: Angle) -> Angle {
         // An angle that needs no revolution is returned as it is, to the bit.
         let revolutions = ((self.middle() - angle).radians() / TAU).round();
@@ -182,14 +168,12 @@ impl AngleRange {
     }
 
     /// The angle at a fraction of the way from the start (0) to the end (1), without a jump.
-    #[must_use]
     pub fn at(&self, share: f64) -> Angle {
         self.start + self.width() * share
     }
 
     /// The position of a direction from the start (0) to the end (1); outside of these if it is not
     /// in the arc, not finite if the arc is a single direction.
-    #[must_use]
     pub fn share(&self, angle: Angle) -> f64 {
         (self.unwrap_angle(angle) - self.start).radians() / self.width().radians()
     }

@@ -2,14 +2,12 @@
 //! numbers, or the larger one.
 
 /// The mean; none without any.
-#[must_use]
 pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// A quantile of ascending numbers, interpolated between the two nearest (type 7 of Hyndman and Fan
 /// 1996, the usual one); NaN without any.
-#[must_use]
 pub fn quantile(ascending: &[f64], share: f64) -> f64 {
     let Some(last) = ascending.len().checked_sub(1) else {
         return f64::NAN;
@@ -29,7 +27,6 @@ pub fn quantile(ascending: &[f64], share: f64) -> f64 {
 
 /// The median of numbers in any order, which it reorders: of two in the middle their mean. None
 /// without any.
-#[must_use]
 pub fn median(values: &mut [f64]) -> Option<f64> {
     let odd = values.len() % 2 == 1;
     let (below, at) = split_at_middle(values)?;
@@ -43,7 +40,6 @@ pub fn median(values: &mut [f64]) -> Option<f64> {
 
 /// The high median of numbers in any order, which it reorders: of two in the middle the greater, so
 /// that it is always one of the numbers. None without any.
-#[must_use]
 pub fn median_high(values: &mut [f64]) -> Option<f64> {
     split_at_middle(values).map(|(_, at)| at)
 }

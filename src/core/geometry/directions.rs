@@ -63,13 +63,11 @@ impl FromIterator<Angle> for Directions {
 
 impl Directions {
     /// How many there are.
-    #[must_use]
     pub const fn len(&self) -> usize {
         self.sorted.len()
     }
 
     /// Whether there are none.
-    #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.sorted.is_empty()
     }
@@ -95,14 +93,12 @@ impl Directions {
     /// The ends of the smallest arc that contains all of them, the second not below the first; none
     /// without any. Of equally wide gaps the one that contains ±180° is left out, or else the first
     /// above it.
-    #[must_use]
     pub fn smallest_arc(&self) -> Option<[Angle; 2]> {
         self.widest.first().map(|gap| self.arc_without(gap))
     }
 
     /// The ends of the smallest arc that contains all but one of them; all of them if that one is
     /// not in the set.
-    #[must_use]
     pub fn smallest_arc_without(&self, angle: Angle) -> Option<[Angle; 2]> {
         let Ok(left_out) = self.place_of(angle) else {
             return self.smallest_arc();

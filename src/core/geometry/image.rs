@@ -1,7 +1,9 @@
-//! Points, sizes and boxes in a picture.
+//! Points, segments, ellipses, sizes and boxes in a picture.
 
 use super::Vec2;
+use nalgebra::{Matrix2, SVector, SymmetricEigen};
 use serde::Serialize;
+use std::f64::consts::TAU;
 
 /// A point of a picture, px, corner convention: (0, 0) is the top-left corner, x right, y down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -15,13 +17,11 @@ pub struct ImagePoint {
 
 impl ImagePoint {
     /// A point from its coordinates in px.
-    #[must_use]
     pub const fn new(x: f64, y: f64) -> Self {
         Self { x, y }
     }
 
     /// The vector from `origin` to this point, px.
-    #[must_use]
     pub fn offset_from(self, origin: Self) -> Vec2 {
         Vec2::new(self.x - origin.x, self.y - origin.y)
     }
@@ -33,13 +33,11 @@ impl ImagePoint {
     }
 
     /// The distance to another point, px.
-    #[must_use]
     pub fn distance_px(self, other: Self) -> f64 {
         (self.x - other.x).hypot(self.y - other.y)
     }
 
     /// Whether both coordinates are finite.
-    #[must_use]
     pub const fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite()
     }
@@ -82,7 +80,6 @@ impl ImageSize {
     }
 
     /// The centre of one cell of such a grid, px.
-    #[must_use]
     pub fn cell_centre(self, [column, row]: [u32; 2], [columns, rows]: [u32; 2]) -> ImagePoint {
         ImagePoint::new(
             cell_centre_px(column, columns, self.width),
@@ -94,19 +91,16 @@ impl ImageSize {
     pub const MAX_SIDE_PX: u32 = 65_535;
 
     /// A size from its columns and rows.
-    #[must_use]
     pub const fn new(width: u32, height: u32) -> Self {
         Self { width, height }
     }
 
     /// Whether this is a valid width or height of a picture, px.
-    #[must_use]
     pub fn is_side_px(value: f64) -> bool {
         (1.0..=f64::from(Self::MAX_SIDE_PX)).contains(&value)
     }
 
     /// Reads `1920x1080` or `1920 × 1080`; none where that is no size of a picture.
-    #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (width, height) = text.split_once(['x', '×'])?;
         Some(Self::new(parse_side_px(width)?, parse_side_px(height)?))
@@ -114,7 +108,6 @@ impl ImageSize {
 
     /// The factor from a picture of this size to one of the same proportions; the height may have
     /// been rounded in either; none where the proportions differ.
-    #[must_use]
     pub fn factor_to(self, other: Self) -> Option<f64> {
         let factor = f64::from(other.width) / f64::from(self.width);
         let off_px = f64::from(self.height) * factor - f64::from(other.height);
@@ -122,13 +115,11 @@ impl ImageSize {
     }
 
     /// The middle of the picture.
-    #[must_use]
     pub fn centre(self) -> ImagePoint {
         ImagePoint::new(f64::from(self.width) / 2.0, f64::from(self.height) / 2.0)
     }
 
     /// The four corners, clockwise from the top left.
-    #[must_use]
     pub fn corners(self) -> [ImagePoint; 4] {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         [
@@ -140,7 +131,6 @@ impl ImageSize {
     }
 
     /// Whether a point lies in the picture, its border included.
-    #[must_use]
     pub fn contains(self, point: ImagePoint) -> bool {
         point.x >= 0.0
             && point.y >= 0.0
@@ -151,13 +141,11 @@ impl ImageSize {
     /// The width of the 16:9 picture that this one fits into, px. A picture that is narrower was cut
     /// from a wider one, or taken by a camera that was turned: its pixels are as fine as those of a
     /// 16:9 picture of its height, so tolerances and priors in px refer to that.
-    #[must_use]
     pub fn reference_width_px(self) -> f64 {
         f64::from(self.width).max(f64::from(self.height) * 16.0 / 9.0)
     }
 
     /// The factor from px of a 16:9 picture 1920 px wide to px of this picture.
-    #[must_use]
     pub fn scale_from_1920(self) -> f64 {
         self.reference_width_px() / 1920.0
     }
@@ -191,7 +179,6 @@ pub struct PixelBox {
 
 impl PixelBox {
     /// Whether a point lies in the box, its left and top border included.
-    #[must_use]
     pub fn contains(&self, point: ImagePoint) -> bool {
         point.x >= self.x
             && point.y >= self.y
@@ -211,15 +198,77 @@ impl PixelBox {
     }
 
     /// Its middle.
-    #[must_use]
     pub const fn centre(&self) -> ImagePoint {
         ImagePoint::new(self.x + self.width / 2.0, self.y + self.height / 2.0)
     }
 }
 
+/// The distance of a point from the segment between two ends, in any number of dimensions; a
+/// segment of zero length is a point.
+pub fn distance_from_segment<const D: usize>(
+    point: SVector<f64, D>,
+    [from, to]: [SVector<f64, D>; 2],
+) -> f64 {
+    let (along, offset) = (to - from, point - from);
+    (offset - along * share_along(offset, along)).norm()
+}
+
+/// Where the foot of a point lies on a segment, as a share of its length from 0 to 1; both are
+/// vectors from the segment's beginning.
+fn share_along<const D: usize>(offset: SVector<f64, D>, along: SVector<f64, D>) -> f64 {
+    // The foot of the perpendicular is clamped to the segment: beyond an end, the end is nearest.
+    let length_squared = along.norm_squared();
+    if length_squared > 0.0 {
+        (offset.dot(&along) / length_squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+impl ImagePoint {
+    /// The distance from the segment between two points, px.
+    pub fn distance_from_segment_px(self, from: Self, to: Self) -> f64 {
+        distance_from_segment(
+            self.offset_from(from),
+            [super::Vec2::zeros(), to.offset_from(from)],
+        )
+    }
+
+    /// The distance from a polyline, px; infinite if that has fewer than two points.
+    pub fn distance_from_polyline_px(self, polyline: &[Self]) -> f64 {
+        polyline
+            .windows(2)
+            .map(|ends| self.distance_from_segment_px(ends[0], ends[1]))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The point of the segment between two points that is nearest to this one.
+    #[must_use]
+    pub fn nearest_on_segment(self, from: Self, to: Self) -> Self {
+        let along = to.offset_from(from);
+        from.translate(along * share_along(self.offset_from(from), along))
+    }
+}
+
+/// The 1-σ ellipse of a covariance as offsets from its centre, in the unit of the covariance's
+/// root: `corners` points, evenly spread in the angle of the unit circle that the ellipse is the
+/// image of. Where rounding left a variance below zero it counts as zero.
+pub fn covariance_ellipse(covariance: Matrix2<f64>, corners: u32) -> Vec<Vec2> {
+    // C = V diag(λ) Vᵀ, so V diag(√λ) takes the unit circle to the 1-σ ellipse.
+    let axes = SymmetricEigen::new(covariance);
+    let radii = axes.eigenvalues.map(|value| value.max(0.0).sqrt());
+    (0..corners)
+        .map(|step| {
+            let angle = f64::from(step) / f64::from(corners) * TAU;
+            axes.eigenvectors * Vec2::new(radii.x * angle.cos(), radii.y * angle.sin())
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Vec3;
 
     #[test]
     fn a_picture_cut_from_a_wider_one_keeps_its_scale() {
@@ -238,5 +287,60 @@ mod tests {
                 assert!((cut.scale_from_1920() - scale).abs() < 1e-12, "{cut:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_nearest_point_is_the_foot_or_an_end() {
+        let ends = [ImagePoint::new(10.0, 5.0), ImagePoint::new(30.0, 5.0)];
+        for (at, nearest) in [
+            ((20.0, 9.0), (20.0, 5.0)),
+            ((7.0, 1.0), (10.0, 5.0)),
+            ((34.0, 8.0), (30.0, 5.0)),
+        ] {
+            let found = ImagePoint::new(at.0, at.1).nearest_on_segment(ends[0], ends[1]);
+            assert_eq!((found.x, found.y), nearest);
+        }
+        let point = ImagePoint::new(13.0, 9.0).nearest_on_segment(ends[0], ends[0]);
+        assert_eq!(point, ends[0], "a segment without length");
+    }
+
+    #[test]
+    fn beside_beyond_and_a_segment_without_length() {
+        let ends = [ImagePoint::new(10.0, 5.0), ImagePoint::new(30.0, 5.0)];
+        let distance = |x, y| ImagePoint::new(x, y).distance_from_segment_px(ends[0], ends[1]);
+        assert_eq!(
+            (distance(20.0, 9.0), distance(7.0, 1.0), distance(34.0, 8.0)),
+            (4.0, 5.0, 5.0)
+        );
+        assert_eq!(
+            ImagePoint::new(13.0, 9.0).distance_from_segment_px(ends[0], ends[0]),
+            5.0
+        );
+        assert_eq!(
+            distance_from_segment(Vec3::z(), [Vec3::zeros(), Vec3::x()]),
+            1.0
+        );
+    }
+
+    #[test]
+    fn every_corner_lies_one_sigma_out() {
+        let covariance = Matrix2::new(4.0, 1.2, 1.2, 0.9);
+        let inverse = covariance.try_inverse().unwrap();
+        for corner in covariance_ellipse(covariance, 48) {
+            assert!(
+                (corner.dot(&(inverse * corner)) - 1.0).abs() < 1e-12,
+                "{corner:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_covariance_of_rank_one_is_a_line() {
+        let flat = covariance_ellipse(Matrix2::new(9.0, 0.0, 0.0, -1e-18), 8);
+        assert!(flat.iter().all(|corner| corner.y == 0.0));
+        assert!(
+            flat.iter()
+                .any(|corner| (corner.x.abs() - 3.0).abs() < 1e-12)
+        );
     }
 }

@@ -7,11 +7,9 @@ mod angle;
 mod angle_range;
 mod averages;
 mod directions;
-mod ellipse;
 mod homography;
 mod image;
 pub mod rotation;
-mod segment;
 mod subsample;
 mod text;
 
@@ -26,9 +24,8 @@ pub(crate) use subsample::{farthest_pairs, keep_distinct};
 #[doc(hidden)]
 pub use {
     averages::{mean, median_high, quantile},
-    ellipse::covariance_ellipse,
     homography::homography,
-    segment::distance_from_segment,
+    image::{covariance_ellipse, distance_from_segment},
     subsample::{stride_of_subsample, subsample},
     text::{decimal, hex, is_formula, pluralise, text_cell, thousands, xml_text},
 };

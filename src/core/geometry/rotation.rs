@@ -8,14 +8,12 @@ use super::{Angle, Mat3, Vec3};
 pub const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// The cross-product matrix: `skew(a) * b = a × b`.
-#[must_use]
 #[doc(hidden)]
 pub fn skew(a: Vec3) -> Mat3 {
     Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
 /// The rotation by `|w|` radians about `w` (Rodrigues).
-#[must_use]
 #[doc(hidden)]
 pub fn from_rotation_vector(w: Vec3) -> Mat3 {
     *nalgebra::Rotation3::from_scaled_axis(w).matrix()
@@ -24,7 +22,6 @@ pub fn from_rotation_vector(w: Vec3) -> Mat3 {
 /// The rotation vector of a rotation matrix, radians. Accurate for all angles: at 0 (where the arc
 /// cosine of the trace may be NaN by rounding) and at π (where the sine vanishes and the axis is
 /// taken from the symmetric part).
-#[must_use]
 #[doc(hidden)]
 pub fn rotation_vector(rotation: &Mat3) -> Vec3 {
     let r = rotation;
@@ -65,7 +62,6 @@ pub fn rotation_vector(rotation: &Mat3) -> Vec3 {
 }
 
 /// The angle between two rotations.
-#[must_use]
 #[doc(hidden)]
 pub fn angle_between(a: &Mat3, b: &Mat3) -> Angle {
     // Twice the sine and twice the cosine of the angle of a bᵀ, as in `rotation_vector`; the factor
@@ -82,14 +78,12 @@ pub fn angle_between(a: &Mat3, b: &Mat3) -> Angle {
 
 /// The angle between two directions of any length but zero; exact for small angles, where an arc
 /// cosine is not.
-#[must_use]
 pub(crate) fn angle_between_directions(a: &Vec3, b: &Vec3) -> Angle {
     Angle::from_radians(a.cross(b).norm().atan2(a.dot(b)))
 }
 
 /// The distance of a matrix from a rotation: the largest absolute entry of `RᵀR` − I, or infinity
 /// for a reflection or NaN.
-#[must_use]
 #[doc(hidden)]
 pub fn distance_from_rotation(matrix: &Mat3) -> f64 {
     if !matrix.iter().all(|x| x.is_finite()) || matrix.determinant() <= 0.0 {
@@ -99,7 +93,6 @@ pub fn distance_from_rotation(matrix: &Mat3) -> f64 {
 }
 
 /// The rotation nearest to a matrix (orthogonal Procrustes).
-#[must_use]
 #[doc(hidden)]
 pub fn nearest_rotation(matrix: &Mat3) -> Mat3 {
     // Both factors are there because both are requested.
@@ -114,7 +107,6 @@ pub fn nearest_rotation(matrix: &Mat3) -> Mat3 {
 }
 
 /// `Q_pan(θ)` of the conventions: from `base` to the panned frame (about the base's y axis).
-#[must_use]
 #[doc(hidden)]
 pub fn q_pan(pan: Angle) -> Mat3 {
     let (s, c) = pan.sin_cos();
@@ -122,7 +114,6 @@ pub fn q_pan(pan: Angle) -> Mat3 {
 }
 
 /// `Q_tilt(φ)` of the conventions: from the panned frame to `cam` (about the camera's x axis).
-#[must_use]
 #[doc(hidden)]
 pub fn q_tilt(tilt: Angle) -> Mat3 {
     let (s, c) = tilt.sin_cos();

@@ -3,7 +3,6 @@
 use std::iter::StepBy;
 
 /// The stride with which at most `most` of `count` values are taken; at least 1.
-#[must_use]
 pub const fn stride_of_subsample(count: usize, most: usize) -> usize {
     let stride = count.div_ceil(most);
     if stride == 0 { 1 } else { stride }

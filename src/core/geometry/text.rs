@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 /// A count with thousands separators: 41,200.
-#[must_use]
 pub fn thousands(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
@@ -17,14 +16,12 @@ pub fn thousands(number: usize) -> String {
 }
 
 /// A count with its noun: "1 frame", "2 frames", "41,200 frames".
-#[must_use]
 pub fn pluralise(number: usize, singular: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {singular}{plural}", thousands(number))
 }
 
 /// A number with at most this many decimals, at least one, without trailing zeros: 0.25, 12.
-#[must_use]
 pub fn decimal(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -38,7 +35,6 @@ pub fn decimal(value: f64, decimals: usize) -> String {
 
 /// Text as XML has it in an element or an attribute. Characters that no XML file may contain
 /// become U+FFFD.
-#[must_use]
 pub fn xml_text(text: &str) -> String {
     text.replace(is_no_xml, "\u{fffd}")
         .replace('&', "&amp;")
@@ -54,7 +50,6 @@ fn is_no_xml(letter: char) -> bool {
 }
 
 /// Bytes in lower-case hexadecimal digits, two each.
-#[must_use]
 pub fn hex(bytes: &[u8]) -> String {
     bytes
         .iter()
@@ -67,7 +62,6 @@ pub fn hex(bytes: &[u8]) -> String {
 
 /// Whether a spreadsheet would evaluate a cell as a formula, possibly after removing leading
 /// apostrophes.
-#[must_use]
 pub fn is_formula(cell: &str) -> bool {
     cell.trim_start_matches('\'')
         .starts_with(['=', '+', '-', '@', '\t', '\r'])
@@ -75,7 +69,6 @@ pub fn is_formula(cell: &str) -> bool {
 
 /// A cell with foreign text. Text that a spreadsheet would evaluate as a formula gets a leading
 /// apostrophe.
-#[must_use]
 pub fn text_cell(text: &str) -> String {
     if is_formula(text) {
         format!("'{text}")

@@ -1,8 +1,7 @@
 //! Approximates a field's curve by straight pieces in `cam`, as fine as the picture's resolution
 //! requires.
 
-use super::clip::within_pyramid;
-use super::window::{NEAR_M, Window};
+use super::clip::{NEAR_M, Window, within_pyramid};
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel};
 use crate::geometry::{Mat3, Vec3};

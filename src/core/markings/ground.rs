@@ -12,7 +12,6 @@ const POINTS_PER_EDGE: u32 = 24;
 ///
 /// Where the picture shows the horizon or the sky, the border runs at the distance `reach_m` from
 /// the camera. Empty if no point of the picture's border shows ground within that distance.
-#[must_use]
 pub fn visible_ground(
     field: &FieldModel,
     camera: &PtzCamera,

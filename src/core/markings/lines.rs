@@ -1,8 +1,7 @@
 //! Lines, circles, arcs and posts as polylines in the picture.
 
-use super::clip::{within_cone, within_frame, within_pyramid};
+use super::clip::{Window, within_cone, within_frame, within_pyramid};
 use super::flatten::Flattener;
-use super::window::Window;
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
@@ -39,7 +38,6 @@ pub struct MarkingPolyline {
 ///
 /// All points are finite and within the picture and its margin. A camera with NaN or infinite
 /// parameters sees nothing.
-#[must_use]
 pub fn project_lines(
     field: &FieldModel,
     camera: &PtzCamera,
@@ -171,6 +169,43 @@ fn ideal_at(a: Vec3, b: Vec3, t: f64) -> Vec2 {
     let p = if t == 0.0 { a } else { a + (b - a) * t };
     let p = if t == 1.0 { b } else { p };
     Vec2::new(p.x / p.z, p.y / p.z)
+}
+
+/// A landmark that is visible in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProjectedLandmark {
+    /// Which landmark: index into [`FieldModel::landmarks`].
+    pub landmark: usize,
+    /// Its image, px.
+    pub image: ImagePoint,
+}
+
+/// Projects all landmarks that lie within the picture enlarged by a margin, px, in the field's
+/// order.
+pub fn project_landmarks(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    size: ImageSize,
+    margin_px: f64,
+) -> Vec<ProjectedLandmark> {
+    field
+        .landmarks
+        .iter()
+        .enumerate()
+        .filter_map(|(landmark, of)| {
+            let image = camera.image_from_world(field.landmark_in_world(of)).ok()?;
+            is_within_margin(image, size, margin_px)
+                .then_some(ProjectedLandmark { landmark, image })
+        })
+        .collect()
+}
+
+/// Whether a point lies in the picture enlarged by a margin, px, the border included.
+fn is_within_margin(point: ImagePoint, size: ImageSize, margin_px: f64) -> bool {
+    point.x >= -margin_px
+        && point.y >= -margin_px
+        && point.x <= f64::from(size.width) + margin_px
+        && point.y <= f64::from(size.height) + margin_px
 }
 
 #[cfg(test)]

@@ -49,7 +49,6 @@ const PLAIN_WIDTH_PX: f64 = 0.8;
 
 impl LineSample {
     /// How much it counts against a camera if no paint is seen here, 0 to 1 ([`detectability`]).
-    #[must_use]
     pub fn detectability(&self) -> f64 {
         detectability(self.width_px)
     }
@@ -58,7 +57,6 @@ impl LineSample {
 /// How surely paint of a width is seen in a picture where nothing covers it, 0 to 1: 1 for wide
 /// paint. The contrast that is left of paint narrower than a pixel falls with its width, and what
 /// compression leaves of it falls faster.
-#[must_use]
 pub fn detectability(width_px: f64) -> f64 {
     (width_px / PLAIN_WIDTH_PX).powi(2).min(1.0)
 }
@@ -77,7 +75,6 @@ const BESIDE_M: f64 = 0.5;
 ///
 /// Samples lie on the centre of the paint ([`crate::field::FieldLine::paint_centre`]), not on the
 /// nominal line. A camera with NaN or infinite parameters has none.
-#[must_use]
 pub fn sample_lines(
     field: &FieldModel,
     camera: &PtzCamera,
@@ -139,7 +136,6 @@ impl ProjectedLine {
     /// Projects a line through a point (`world`, m) with this tangent, the derivative of the point
     /// by the parameter of its curve. None if the camera does not see the point, or if the line
     /// degenerates to a point in the picture.
-    #[must_use]
     pub fn new(camera: &PtzCamera, at: Vec3, tangent: Vec3) -> Option<Self> {
         let here = camera.image_from_world_jacobian(at).ok()?;
         let along = here.by_world * tangent;
@@ -164,13 +160,11 @@ impl ProjectedLine {
     }
 
     /// The distance of an image point from the line, px.
-    #[must_use]
     pub fn distance_px(&self, image: ImagePoint) -> f64 {
         image.offset_from(self.image).dot(&self.normal).abs()
     }
 
     /// The width along the normal, px, of paint that is `paint_m` wide.
-    #[must_use]
     pub fn width_px(&self, paint_m: f64) -> f64 {
         self.px_across_per_m.abs() * paint_m
     }

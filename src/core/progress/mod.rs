@@ -21,7 +21,6 @@ pub struct Share {
 
 impl Share {
     /// From 0 to 1.
-    #[must_use]
     pub fn fraction(self) -> f32 {
         if self.of == 0 {
             0.0
@@ -31,7 +30,6 @@ impl Share {
     }
 
     /// In whole percent.
-    #[must_use]
     pub fn percent(self) -> usize {
         100 * self.done / self.of.max(1)
     }
@@ -46,7 +44,6 @@ pub struct Progress<'a, S> {
 
 impl<'a, S> Progress<'a, S> {
     /// A progress that hands each step to `receive`. A break cancels the function.
-    #[must_use]
     pub fn new(receive: impl Fn(S) -> ControlFlow<()> + Sync + 'a) -> Self {
         Self {
             receive: Box::new(receive),
@@ -76,7 +73,6 @@ impl<'a, S> Progress<'a, S> {
 
     /// Whether a report was answered with a break. Parallel threads check this before they begin
     /// another step.
-    #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
@@ -90,7 +86,6 @@ impl<'a, S> Progress<'a, S> {
 
     /// The progress of a part of the function. Each step of the part becomes one of the whole; both
     /// are cancelled together.
-    #[must_use]
     pub fn part<'p, P>(&'p self, step_of_whole: impl Fn(P) -> S + Sync + 'p) -> Progress<'p, P> {
         Progress {
             receive: Box::new(move |step| (self.receive)(step_of_whole(step))),
@@ -115,7 +110,6 @@ impl<S> fmt::Debug for Progress<'_, S> {
 }
 
 /// The message of a panic in a long function.
-#[must_use]
 #[doc(hidden)]
 pub fn panic_message(payload: &(dyn Any + Send)) -> String {
     // `panic!` with a literal has a `&str`, with arguments a `String`; any other payload comes from

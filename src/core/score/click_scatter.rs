@@ -14,8 +14,7 @@
 //!    coordinates of a pair together.
 
 use super::{chi_squared_quantile, median_normal_size};
-use crate::geometry::Vec2;
-use crate::geometry::quantile;
+use crate::geometry::{Vec2, quantile};
 use serde::Serialize;
 
 /// No estimate from fewer pairs: the interval would span a factor of three or more.
@@ -53,7 +52,6 @@ impl ClickScatter {
     /// Estimates the noise from differences in x and y. None with fewer than five pairs, with a
     /// value that is not finite, and if at least half of the values are exactly 0 (copies, not
     /// clicks).
-    #[must_use]
     pub fn from_differences(differences: &[Vec2]) -> Option<Self> {
         let pairs: Vec<[f64; 2]> = differences
             .iter()
@@ -63,7 +61,6 @@ impl ClickScatter {
     }
 
     /// The same from differences along one axis.
-    #[must_use]
     pub fn along(differences: impl Iterator<Item = f64>) -> Option<Self> {
         Self::from_pairs(
             &differences

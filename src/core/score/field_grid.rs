@@ -10,7 +10,6 @@ use crate::geometry::{ImagePoint, ImageSize};
 /// The grid has `columns` cells in a row, as nearly square as whole numbers allow. A cell counts if
 /// the ray of its centre meets the plane z = 0 between the field's outer lines. The crown of a few
 /// centimetres is neglected.
-#[must_use]
 pub fn field_grid(
     field: &FieldModel,
     camera: &PtzCamera,

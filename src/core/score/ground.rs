@@ -29,7 +29,6 @@ pub(super) fn field_corners(field: &FieldModel) -> [Vec2; 4] {
 /// Exact for a lens without distortion. With distortion the picture's curved border is approximated
 /// by 256 points, and pixels beyond the fold of the model show nothing. The crown of a few
 /// centimetres is neglected.
-#[must_use]
 pub fn visible_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Vec<Vec2>> {
     let border = ideal_border(camera, size);
     let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));

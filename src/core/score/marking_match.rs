@@ -16,7 +16,7 @@
 //! (`get_polylines`, `evaluate_camera_prediction`).
 
 use super::FieldView;
-use super::view::same_names;
+use super::camera_error::same_names;
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, ImageSize};
@@ -84,7 +84,6 @@ fn counts(field: &FieldModel, line: usize) -> bool {
 
 /// The points that an annotator would place on a picture of this camera: the two ends of the
 /// visible part of each straight marking, and nine points along the visible part of each round one.
-#[must_use]
 pub fn annotated_lines(
     field: &FieldModel,
     camera: &PtzCamera,
@@ -158,7 +157,6 @@ fn pieces(parts: &[Vec<ImagePoint>]) -> impl Iterator<Item = (ImagePoint, ImageP
 impl MarkingMatch {
     /// Compares annotated markings with those that the estimated camera shows of its own field.
     /// Short markings are skipped.
-    #[must_use]
     pub fn compare(
         field: &FieldModel,
         annotated: &[AnnotatedLine],
@@ -186,7 +184,6 @@ impl MarkingMatch {
 
     /// `JaC@t`: the share of markings found within t px at `JACCARD_WIDTH_PX`, of all that are
     /// annotated or shown, with the better naming. 0 without markings.
-    #[must_use]
     pub fn jaccard(&self, threshold_px: f64) -> f64 {
         self.plain
             .jaccard(threshold_px)
@@ -237,7 +234,6 @@ impl NamedMatch {
     }
 
     /// `JaC@t` with this naming.
-    #[must_use]
     pub fn jaccard(&self, threshold_px: f64) -> f64 {
         let all = self.worst_px.len() + self.only_estimated + self.only_annotated;
         let found = self

@@ -14,32 +14,27 @@
 
 mod camera_error;
 mod click_scatter;
-mod coverage;
-mod distribution;
 mod field_grid;
 mod ground;
-mod landmarks;
 mod marking_match;
 mod overlap;
 mod plane;
 mod polygon;
 mod statistics;
-mod view;
 
 pub use click_scatter::ClickScatter;
-pub use coverage::SigmaCoverage;
+pub use statistics::{SigmaCoverage, Summary};
 
 pub use camera_error::camera_error;
-pub(crate) use distribution::chi_squared_quantile;
 pub use field_grid::field_grid;
-pub use statistics::Summary;
+pub(crate) use statistics::chi_squared_quantile;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    camera_error::CameraError, camera_error::horizontal_view, coverage::squared_mahalanobis,
-    distribution::median_normal_size, distribution::median_rayleigh, distribution::rayleigh_share,
-    ground::visible_field, landmarks::LandmarkError, landmarks::ground_error_m,
-    landmarks::landmark_errors, marking_match::AnnotatedLine, marking_match::MarkingMatch,
+    camera_error::CameraError, camera_error::FieldView, camera_error::LandmarkError,
+    camera_error::ground_error_m, camera_error::horizontal_view, camera_error::landmark_errors,
+    ground::visible_field, marking_match::AnnotatedLine, marking_match::MarkingMatch,
     marking_match::NamedMatch, marking_match::annotated_lines, overlap::iou_part,
-    overlap::iou_segments, overlap::iou_whole, plane::PlaneView, view::FieldView,
+    overlap::iou_segments, overlap::iou_whole, plane::PlaneView, statistics::median_normal_size,
+    statistics::median_rayleigh, statistics::rayleigh_share, statistics::squared_mahalanobis,
 };

@@ -15,7 +15,6 @@ use crate::geometry::{ImageSize, Vec2, Vec3};
 
 /// `IoU_part`, 0 to 1, of the parts of the field that the picture shows under the two cameras. None
 /// where neither camera shows any of the field; 0 where only one does.
-#[must_use]
 pub fn iou_part(
     field: &FieldModel,
     truth: &PtzCamera,
@@ -33,7 +32,6 @@ pub fn iou_part(
 ///
 /// Distortion is neglected, because it has no meaning far outside the picture; only focal lengths
 /// and principal points are used. 0 where a part of the field lies beyond the estimate's horizon.
-#[must_use]
 pub fn iou_whole(field: &FieldModel, truth: &PtzCamera, estimate: &PtzCamera) -> f64 {
     let corners = field_corners(field);
     transfer_ring(truth, estimate, &corners)
@@ -51,7 +49,6 @@ const SEGMENTS: [u8; 2] = [6, 4];
 /// projected into the picture by the true camera and back by the estimated one, as for
 /// [`iou_whole`], and compared with itself. Each segment counts alike, so that a camera that is
 /// right in the middle of its view and wrong at an end does not hide that.
-#[must_use]
 pub fn iou_segments(
     field: &FieldModel,
     truth: &PtzCamera,

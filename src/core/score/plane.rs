@@ -25,7 +25,6 @@ pub struct PlaneView {
 impl PlaneView {
     /// Normalises a homography from the ground (world x and y, m) to a picture (px). None if it is
     /// singular, or if the middle of the picture shows no ground.
-    #[must_use]
     pub fn new(image_from_ground: &Mat3, size: ImageSize) -> Option<Self> {
         let middle = size.centre();
         let ground = image_from_ground.try_inverse()? * Vec3::new(middle.x, middle.y, 1.0);
@@ -45,7 +44,6 @@ impl PlaneView {
     }
 
     /// The view of a camera without its distortion.
-    #[must_use]
     pub fn from_camera(camera: &PtzCamera, size: ImageSize) -> Option<Self> {
         let (base, focal_px) = (camera.base(), camera.ptz().focal_px);
         let principal = base.principal_point;
@@ -73,14 +71,12 @@ impl PlaneView {
     }
 
     /// Projects a ground point into the picture, px. None beyond the horizon.
-    #[must_use]
     pub fn image_from_ground(&self, ground: Vec2) -> Option<ImagePoint> {
         let image = self.image_from_ground * Vec3::new(ground.x, ground.y, 1.0);
         (image.z > MIN_DEPTH_SHARE).then(|| ImagePoint::new(image.x / image.z, image.y / image.z))
     }
 
     /// The ground point at a pixel (world x and y, m). None above the horizon.
-    #[must_use]
     pub fn ground_from_image(&self, image: ImagePoint) -> Option<Vec2> {
         let ground = self.ground_from_image * Vec3::new(image.x, image.y, 1.0);
         // The third coordinate of the back-projection is the inverse of the ground point's depth.
@@ -89,7 +85,6 @@ impl PlaneView {
 
     /// The part of the field that the picture shows: a convex polygon (world x and y, m), empty if
     /// it shows nothing.
-    #[must_use]
     pub fn visible_field(&self, field: &FieldModel) -> Vec<Vec2> {
         let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
         let h = &self.image_from_ground;
@@ -122,14 +117,12 @@ impl PlaneView {
     }
 
     /// `IoU_part` of an estimate, with this view as the truth: see [`iou_part`](super::iou_part).
-    #[must_use]
     pub fn iou_part(&self, field: &FieldModel, estimate: &Self) -> Option<f64> {
         intersection_over_union(&self.visible_rings(field), &estimate.visible_rings(field))
     }
 
     /// `IoU_whole` of an estimate, with this view as the truth: see
     /// [`iou_whole`](super::iou_whole).
-    #[must_use]
     pub fn iou_whole(&self, field: &FieldModel, estimate: &Self) -> f64 {
         let carry = estimate.ground_from_image * self.image_from_ground;
         let corners = field_corners(field);

@@ -148,7 +148,6 @@ pub enum SolveError {
 
 impl SolveError {
     /// The clicks that the error is about; empty if it is about all of them.
-    #[must_use]
     pub fn clicks(&self) -> &[usize] {
         match self {
             Self::NotFinite { click }

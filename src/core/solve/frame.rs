@@ -13,7 +13,7 @@ use crate::solve::initial_cameras::two_point::MIN_RAY_ANGLE_DEG;
 use crate::solve::observations::observation::landmark_observations;
 use crate::solve::observations::shape::ShapeJacobian;
 use crate::solve::outcome::checks;
-use crate::solve::priors::context::SAME_FIT;
+use crate::solve::priors::prior::SAME_FIT;
 use nalgebra::{Matrix2, SMatrix};
 use std::cmp::Ordering;
 

@@ -46,10 +46,8 @@ pub use optimiser::loss::Loss;
 pub use outcome::covariance::{CornerSigma, Uncertainty};
 pub use outcome::solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
 pub use outcome::verdict::Verdict;
-pub use priors::context::SolveContext;
-pub use priors::motion_prior::{Motion, MotionPrior, PtzStep};
-pub use priors::prior::PtzPrior;
-pub use priors::ptz_ranges::PtzRanges;
+pub use priors::motion_prior::{Motion, MotionPrior, PtzRanges, PtzStep};
+pub use priors::prior::{PtzPrior, SolveContext};
 pub use refine::{Refined, refine};
 pub use warning::{Warning, WarningCode};
 // For the crates above alone: no promise to other programs.
@@ -63,10 +61,9 @@ pub use {
         solve_two_points,
     },
     optimiser::dense::DenseEquations,
-    optimiser::derivatives::{DerivativeError, check_derivatives},
-    optimiser::graduated::gauss_newton_step,
+    optimiser::least_squares::gauss_newton_step,
     optimiser::least_squares::{BlockEquations, Minimum, NO_VALUE_SIGMAS, Stopping, minimise},
-    optimiser::residual::{Linearised, Residual},
+    optimiser::least_squares::{Linearised, Residual},
     outcome::covariance::{UNSTATED_PX, covariance_in_radians, covariance_of_four_points},
     outcome::verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, judge},
     refine::refine_until,

@@ -8,9 +8,8 @@ use super::{Loss, Observation, PtzPrior};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, Vec3};
 use crate::solve::optimiser::least_squares::{
-    BlockEquations, NO_VALUE_SIGMAS, Problem, Stopping, minimise,
+    BlockEquations, NO_VALUE_SIGMAS, Problem, Residual, Stopping, minimise,
 };
-use crate::solve::optimiser::residual::Residual;
 
 /// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 60;
@@ -31,7 +30,6 @@ pub struct Refined {
 
 /// Refines pan, tilt and focal length over all given observations. Held-out ones are not skipped;
 /// the caller removes them.
-#[must_use]
 pub fn refine(
     base: &CameraBase,
     start: Ptz,
@@ -44,7 +42,6 @@ pub fn refine(
 
 /// [`refine`], ended by the first step (rad, rad, log f) shorter than `enough`. Under a robust loss
 /// the convergence is linear, so the last digits take most of the steps.
-#[must_use]
 pub fn refine_until(
     base: &CameraBase,
     start: Ptz,
@@ -148,7 +145,8 @@ mod tests {
     use crate::camera::FocalCurve;
     use crate::field::builtin;
     use crate::geometry::{ImagePoint, ImageSize, Mat3};
-    use crate::solve::{check_derivatives, fixtures};
+    use crate::solve::fixtures;
+    use crate::testing::check_derivatives;
     use std::collections::BTreeMap;
 
     #[test]

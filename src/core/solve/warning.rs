@@ -35,7 +35,6 @@ macro_rules! warning_codes {
             pub const ALL: &[Self] = &[$(Self::$variant,)*];
 
             /// The name in documents.
-            #[must_use]
             pub const fn as_str(self) -> &'static str {
                 match self { $(Self::$variant => $name,)* }
             }

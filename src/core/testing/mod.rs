@@ -10,8 +10,11 @@
 )]
 
 pub mod child;
+mod derivatives;
 pub mod files;
 pub mod seeded;
+
+pub use derivatives::{DerivativeError, check_derivatives};
 
 use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::field::{FieldModel, Landmark, builtin};

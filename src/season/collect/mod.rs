@@ -16,13 +16,11 @@
 //! Only parts are read, no videos. What has no whole part is a gap: it is named, its frames are not
 //! in the project, and the table counts them.
 
-mod error;
 mod project;
 mod queue;
 mod record;
 mod table;
 
-pub use error::CollectError;
 pub use queue::{Queue, QueueEntry, QueueError};
 
 use crate::part::shard_of_path;
@@ -32,10 +30,13 @@ use project::{CollectedMatch, MatchToCollect};
 use record::Record;
 use std::collections::BTreeSet;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use table::SeasonTable;
+use thiserror::Error;
+use touchline_core::files::way_out;
 use touchline_core::progress::Progress;
-use touchline_documents::store::{ReadOnly, lock_file};
+use touchline_documents::store::{ReadOnly, StoreError, lock_file};
 use touchline_vision::relocalize::CERTAIN;
 
 /// Options of collecting.
@@ -252,4 +253,82 @@ fn report_parts_of_others(
         let _ = progress.report(CollectEvent::NotOfPlan { path });
     }
     Ok(())
+}
+
+/// Why parts were not collected.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CollectError {
+    /// The system refused.
+    #[error("cannot {action} {}: {source}{}", path.display(), way_out(source))]
+    Io {
+        /// The attempted action.
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// There is no folder of parts.
+    #[error("there is no folder {}; do the shards of the plan first, with this folder as their -o", parts.display())]
+    NoParts {
+        /// The folder of parts.
+        parts: PathBuf,
+    },
+    /// The output is a file.
+    #[error("{} is a file; give a folder for the season", output.display())]
+    NotAFolder {
+        /// The output.
+        output: PathBuf,
+    },
+    /// The output holds other things.
+    #[error("{} holds other things than a collected season; give another -o", output.display())]
+    OtherFolder {
+        /// The output.
+        output: PathBuf,
+    },
+    /// A file there has the name of one that is to be written, and is not as it was written.
+    #[error(
+        "{} is not as touchline collect wrote it and would be replaced; move it away or give another -o",
+        path.display()
+    )]
+    OtherFile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Another process collects into the same folder.
+    #[error(
+        "another touchline collects into {} ({holder}); wait until it has ended",
+        output.display()
+    )]
+    Busy {
+        /// The output.
+        output: PathBuf,
+        /// The process, if known.
+        holder: String,
+    },
+    /// The output cannot be written into.
+    #[error("cannot write into {}: {reason}", output.display())]
+    NotWritable {
+        /// The output.
+        output: PathBuf,
+        /// The system's reason.
+        reason: String,
+    },
+    /// A project cannot be read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The progress cancelled it.
+    #[error("stopped; the projects of some matches are not collected, and the queue is as it was")]
+    Stopped,
+}
+
+impl CollectError {
+    fn from_io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        Self::Io {
+            action,
+            path: path.to_path_buf(),
+            source,
+        }
+    }
 }

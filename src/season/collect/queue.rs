@@ -82,13 +82,11 @@ impl Queue {
     }
 
     /// Its entries, worst first.
-    #[must_use]
     pub fn entries(&self) -> &[QueueEntry] {
         &self.entries
     }
 
     /// Whether the file at a path begins as a queue does.
-    #[must_use]
     pub fn is_at(path: &Path) -> bool {
         // A queue may be large, so only its beginning is read: `to_text` writes these keys first
         // and without blanks.

@@ -187,13 +187,11 @@ pub enum PartError {
 }
 
 /// Where a folder of parts has the part of a shard.
-#[must_use]
 pub fn part_path(parts: &Path, shard: &str) -> PathBuf {
     parts.join(format!("{shard}.{ENDING}"))
 }
 
 /// The shard that a file in a folder of parts is named after; none if it is no part.
-#[must_use]
 pub fn shard_of_path(path: &Path) -> Option<&str> {
     let is_part = path.extension().is_some_and(|ending| ending == ENDING);
     is_part.then(|| path.file_stem()?.to_str()).flatten()
@@ -375,7 +373,6 @@ impl Cost {
     }
 
     /// The stated cost of a shard; none if there is none.
-    #[must_use]
     pub fn read(parts: &Path, shard: &str) -> Option<Self> {
         let bytes = fs::read(parts.join(format!("{shard}.{COST_ENDING}"))).ok()?;
         serde_json::from_slice(&bytes).ok()

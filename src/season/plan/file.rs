@@ -1,6 +1,5 @@
 //! The file of a plan.
 
-use super::shard_id::{FindInput, label_id};
 use crate::season_file::is_folder_name;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -9,6 +8,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 use touchline_core::files::{folder_of, read_named_text};
 use touchline_documents::document::FieldSpec;
+use touchline_vision::media::sha256_of_bytes;
 
 /// The value of `format` in every plan.
 const FORMAT: &str = "touchline plan";
@@ -95,7 +95,6 @@ pub struct ShardOfPlan<'a> {
 
 impl ShardOfPlan<'_> {
     /// The shard in words, for messages: `north-south, frames 0 to 1499`.
-    #[must_use]
     pub fn describe(&self) -> String {
         let name = &self.of_match.name;
         match self.label {
@@ -241,7 +240,6 @@ impl Plan {
     }
 
     /// The shard with an id.
-    #[must_use]
     pub fn shard(&self, id: &str) -> Option<ShardOfPlan<'_>> {
         self.matches.iter().find_map(|of_match| {
             if of_match.find == id {
@@ -267,7 +265,58 @@ impl Plan {
 }
 
 /// The path of a file of a plan at `plan`. An absolute one stays as it is.
-#[must_use]
 pub(crate) fn path_in_plan(plan: &Path, path: &str) -> PathBuf {
     folder_of(plan).join(path)
+}
+
+/// What the bytes of a find shard depend on, in this order.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct FindInput<'a> {
+    /// The program that makes them.
+    pub(super) program: &'a str,
+    /// The class of the machine.
+    pub(super) processor: &'a str,
+    /// The name of the video or folder, by which the part names its frames.
+    pub(super) frames_name: &'a str,
+    /// The hash of the video or of the folder's images.
+    pub(super) frames_sha256: &'a str,
+    /// Number of frames: decoders may differ in it.
+    pub(super) num_frames: usize,
+    /// The field.
+    pub(super) field: &'a FieldSpec,
+    /// The hash of the project.
+    pub(super) project: Option<&'a str>,
+    /// The hash of the forest.
+    pub(super) forest: Option<&'a str>,
+    /// Maximum number of frames from which each camera is found.
+    pub(super) look_at: usize,
+}
+
+/// What the bytes of a label shard depend on. The part of its find shard is named by all the rest.
+#[derive(Serialize)]
+struct LabelInput<'a> {
+    find: &'a str,
+    first: usize,
+    last: usize,
+}
+
+impl FindInput<'_> {
+    /// The id of the shard: the SHA-256 of everything that goes into it.
+    pub(super) fn id(&self) -> String {
+        hash_of("find", self)
+    }
+}
+
+/// The id of the shard that labels frames `first` to `last`, both included, with the cameras of the
+/// find shard `find`.
+pub(super) fn label_id(find: &str, first: usize, last: usize) -> String {
+    hash_of("label", &LabelInput { find, first, last })
+}
+
+fn hash_of(kind: &str, input: &impl Serialize) -> String {
+    // Plain structures of texts and finite numbers always become JSON, with their keys in the order
+    // of the fields, so the same input gives the same text.
+    let text = serde_json::to_string(input).unwrap_or_default();
+    // The kind keeps a find shard and a label shard apart, whatever goes into them.
+    sha256_of_bytes(format!("{kind} {text}").as_bytes())
 }

@@ -13,12 +13,11 @@
 //! frames, so that neither half depends on the other.
 //!
 //! A plan's file states everything that a shard's bytes depend on. Reading it checks that each
-//! shard is named by what goes into it (`shard_id.rs`), so a plan that was edited is
+//! shard is named by what goes into it (`file.rs`), so a plan that was edited is
 //! refused.
 
 mod file;
 mod make;
-mod shard_id;
 
 pub(crate) use file::path_in_plan;
 pub use file::{LabelShard, Plan, PlanError, PlannedFile, PlannedMatch, ShardOfPlan};

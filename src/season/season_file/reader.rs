@@ -3,8 +3,7 @@
 //! The text is read into types that mirror the TOML, and checked after that: names, paths, fields
 //! and numbers. A mistake is reported with the line in which it stands.
 
-use super::error::{SeasonError, SeasonMistake};
-use super::{Match, Season, ShardOptions, is_folder_name};
+use super::{Match, Season, SeasonError, SeasonMistake, ShardOptions, is_folder_name};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};

@@ -11,28 +11,30 @@
 //! label shard whose find part is not there yet makes that part first; an engine that knows the
 //! order never comes to that, and one that does not is merely slower.
 
-mod cost;
-mod error;
 mod find;
 mod frames;
 mod label;
 
-pub use error::ShardError;
-
-use crate::part::{Part, PartError, is_part_whole};
+use crate::part::{Cost, Part, PartError, is_part_whole};
 use crate::plan::{Plan, PlannedMatch, ShardOfPlan, path_in_plan};
 use crate::processor::{ANY, processor_class};
 use crate::source::{SourceError, examine_source, place_of_source};
-use cost::Stopwatch;
 use std::collections::BTreeMap;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use touchline_calibration::pipelines::MatchEvent;
+use std::time::Instant;
+use thiserror::Error;
+use touchline_calibration::pipelines::{LabelMatchError, MatchEvent};
+use touchline_calibration::proposals::BaseMismatch;
+use touchline_core::field::FieldError;
 use touchline_core::files::remove_stray_files;
 use touchline_core::progress::Progress;
-use touchline_documents::document::generator;
+use touchline_documents::document::{ReadError, WriteError, generator};
+use touchline_documents::store::StoreError;
 use touchline_vision::media::{FrameSource, MediaError};
+use touchline_vision::relocalize::ForestFileError;
 
 /// Events while a shard is done.
 #[derive(Debug)]
@@ -205,4 +207,152 @@ fn open_source(plan_path: &Path, of_match: &PlannedMatch) -> Result<OpenSource, 
         return Err(ShardError::FramesChanged { path });
     }
     Ok(OpenSource::open(folder, name).map_err(SourceError::from)?)
+}
+
+/// Ticks of the processor times that Linux states in `/proc`, a second: the same on every machine.
+#[cfg(target_os = "linux")]
+const TICKS: f64 = 100.0;
+
+/// Measures from its start on.
+#[derive(Clone, Copy, Debug)]
+struct Stopwatch {
+    wall: Instant,
+    cpu_s: Option<f64>,
+}
+
+impl Stopwatch {
+    fn start() -> Self {
+        Self {
+            wall: Instant::now(),
+            cpu_s: cpu_s(),
+        }
+    }
+
+    /// The cost since the start.
+    fn cost(self) -> Cost {
+        Cost {
+            cpu_s: cpu_s().zip(self.cpu_s).map(|(now, start)| now - start),
+            wall_s: self.wall.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+/// The time that this process and the decoders that it waited for have used of all processors, s.
+#[cfg(target_os = "linux")]
+fn cpu_s() -> Option<f64> {
+    // User and system time of this process, then those of the children that it waited for, such as
+    // ffmpeg.
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The name of the program, in parentheses, may contain anything. Behind it the times are the
+    // columns 14 to 17 of proc(5); the first one here is column 3.
+    let (_, columns) = stat.rsplit_once(')')?;
+    let times = columns.split_whitespace().skip(11).take(4);
+    let ticks: Vec<f64> = times.filter_map(|ticks| ticks.parse().ok()).collect();
+    (ticks.len() == 4).then(|| ticks.iter().sum::<f64>() / TICKS)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn cpu_s() -> Option<f64> {
+    None
+}
+
+/// What to do on a machine of another class than the plan's.
+const OTHER_CLASS: &str =
+    "bytes would differ; use such a machine, or make the plan again with --any-processor";
+
+/// Why a shard was not done. Nothing was written then.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ShardError {
+    /// The plan has no shard of this id.
+    #[error(
+        "{} has no shard {id}; touchline plan --commands writes its shards",
+        plan.display()
+    )]
+    NotInPlan {
+        /// The plan.
+        plan: PathBuf,
+        /// The id.
+        id: String,
+    },
+    /// Another program made the plan.
+    #[error(
+        "the plan is of {planned}, and this is {here}: bytes would differ; make the plan again"
+    )]
+    OtherProgram {
+        /// The program that made the plan.
+        planned: String,
+        /// This program.
+        here: String,
+    },
+    /// This machine is of another processor class than the plan.
+    #[error(
+        "the plan is for machines of class \"{planned}\", this is one of \"{here}\": {OTHER_CLASS}"
+    )]
+    OtherProcessor {
+        /// The plan's class.
+        planned: String,
+        /// This machine's class.
+        here: String,
+    },
+    /// The frames are not those that were planned.
+    #[error("{} changed after the plan was made; make the plan again", path.display())]
+    FramesChanged {
+        /// The video or folder.
+        path: PathBuf,
+    },
+    /// A project or forest is not the one that was planned.
+    #[error("{} changed after the plan was made; make the plan again", path.display())]
+    FileChanged {
+        /// The project or forest.
+        path: PathBuf,
+    },
+    /// The frames cannot be read.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// A part cannot be used or written.
+    #[error(transparent)]
+    Part(#[from] PartError),
+    /// The project cannot be read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The project cannot be hashed.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The forest cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    ForestIo {
+        /// The forest.
+        path: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// A forest is not one, or is damaged.
+    #[error("{what}: {source}")]
+    Forest {
+        /// The forest.
+        what: String,
+        /// Why.
+        source: ForestFileError,
+    },
+    /// The cameras in a forest cannot be read.
+    #[error("{what}: {source}")]
+    ForestCameras {
+        /// The forest.
+        what: String,
+        /// Why.
+        source: ReadError,
+    },
+    /// A forest is of other cameras than the project.
+    #[error(transparent)]
+    Base(#[from] BaseMismatch),
+    /// Cameras could not be searched for.
+    #[error(transparent)]
+    Label(#[from] LabelMatchError),
+    /// The field is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// `progress` cancelled it.
+    #[error("stopped; no part was written")]
+    Stopped,
 }

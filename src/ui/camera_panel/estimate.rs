@@ -2,12 +2,10 @@
 
 use super::{evidence, section};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Button, Frame, Grid, Margin, RichText, Ui};
-use touchline_application::app::{Action, Command, Keymap};
-use touchline_calibration::calibrate::BaseReadiness;
-use touchline_calibration::calibrate::EstimatedBase;
+use touchline_application::app::{Command, Keymap};
+use touchline_calibration::calibrate::{BaseReadiness, EstimatedBase};
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::Camera;
 
@@ -43,7 +41,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let mut on_paint = panel.app.settings.base_on_paint;
     let tick = ui.checkbox(&mut on_paint, "Use the painted lines too");
     if tick.on_hover_text(Command::BaseOnPaint.about()).changed() {
-        panel.actions.push(Action::Command(Command::BaseOnPaint));
+        panel.run(Command::BaseOnPaint);
     }
     ui.horizontal(|ui| {
         if camera.base().is_some() {

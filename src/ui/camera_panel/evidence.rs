@@ -4,17 +4,15 @@
 //! Distances are px of the picture between a click and where the estimated base, with the frame's
 //! own pan, tilt and focal length, projects its landmark.
 
-use super::position_view;
-use super::{remark, section};
+use super::{position_view, remark, section};
 use crate::ui::Panel;
 use crate::ui::controls::bar::Bar;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
 use crate::ui::rows::menu::file_name;
 use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
-use touchline_application::app::{Action, EditAction};
+use touchline_application::app::EditAction;
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::field::Symmetry;
 use touchline_core::geometry::pluralise;
@@ -187,10 +185,10 @@ fn rows_of_frames(
                 .on_hover_text("Leave this frame out of the estimation.")
                 .clicked()
             {
-                panel.actions.push(Action::Edit(EditAction::UseForBase {
+                panel.edit(EditAction::UseForBase {
                     frame: index,
                     used: false,
-                }));
+                });
             }
         });
     }
@@ -232,10 +230,10 @@ fn show_left_out_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
                 .on_hover_text("Use this frame in the estimation again.")
                 .clicked()
             {
-                panel.actions.push(Action::Edit(EditAction::UseForBase {
+                panel.edit(EditAction::UseForBase {
                     frame: index,
                     used: true,
-                }));
+                });
             }
         });
     }
@@ -375,10 +373,10 @@ fn show_mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFr
             .on_hover_text(tip)
             .clicked()
         {
-            panel.actions.push(Action::Edit(EditAction::MirrorNames {
+            panel.edit(EditAction::MirrorNames {
                 frame: mirrored.frame,
                 symmetry: mirrored.symmetry,
-            }));
+            });
         }
     });
     ui.add_space(theme::SPACE);
@@ -424,10 +422,10 @@ fn show_disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedCl
         }
         // The application changes a name in the shown frame, so the frame is shown first.
         if let Some((target, _)) = better.filter(|_| renames) {
-            panel.actions.push(Action::Edit(EditAction::Name {
+            panel.edit(EditAction::Name {
                 click: disputed.click,
                 target,
-            }));
+            });
         }
     });
     ui.add_space(theme::SPACE);

@@ -4,8 +4,7 @@
 use super::{numbers, remark, section};
 use crate::ui::Panel;
 use crate::ui::controls::number::{Number, shortest};
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::field_map::sport_title;
 use egui::{
     Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui,
@@ -44,9 +43,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(Err(error)) = &panel.app.current().field
         && problem(ui, &spec, error)
     {
-        panel
-            .actions
-            .push(Action::View(ViewAction::ReadFailedTemplatesAgain));
+        panel.view(ViewAction::ReadFailedTemplatesAgain);
     }
     params(panel, ui, &spec);
     size(panel, ui, &spec);
@@ -76,9 +73,7 @@ fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
             for name in builtin_names() {
                 let is_chosen = spec.template == name;
                 if ui.selectable_label(is_chosen, sport_title(name)).clicked() {
-                    panel
-                        .actions
-                        .push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
+                    panel.edit(EditAction::ChooseSport(name.to_owned()));
                 }
             }
         });
@@ -215,12 +210,10 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
                 .on_hover_text("Mark the size as assumed again.")
                 .clicked()
             {
-                panel
-                    .actions
-                    .push(Action::Edit(EditAction::Field(FieldSpec {
-                        size: None,
-                        ..spec.clone()
-                    })));
+                panel.edit(EditAction::Field(FieldSpec {
+                    size: None,
+                    ..spec.clone()
+                }));
             }
         },
     );

@@ -2,11 +2,10 @@
 
 use super::section;
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
-use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::symbol::{self, Symbol};
 use crate::ui::controls::theme::Themed as _;
 use egui::{Align, Button, Layout, RichText, Ui};
-use touchline_application::app::{Action, Command, EditAction, MaskList, MaskScope, Tool};
+use touchline_application::app::{Command, EditAction, MaskList, MaskScope, Tool};
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Camera, MaskSource, RangedMask};
 
@@ -86,9 +85,7 @@ fn row(
                 .on_hover_text("Remove this mask.")
                 .clicked()
             {
-                panel
-                    .actions
-                    .push(Action::Edit(EditAction::RemoveMask { list, index }));
+                panel.edit(EditAction::RemoveMask { list, index });
             }
             let menu = ui.menu_button(RichText::new(covers).small(), |ui| {
                 for scope in MaskScope::ALL {
@@ -98,11 +95,7 @@ fn row(
                         .on_disabled_hover_text(why_not.unwrap_or_default())
                         .clicked()
                     {
-                        panel.actions.push(Action::Edit(EditAction::ScopeMask {
-                            list,
-                            index,
-                            scope,
-                        }));
+                        panel.edit(EditAction::ScopeMask { list, index, scope });
                         ui.close();
                     }
                 }

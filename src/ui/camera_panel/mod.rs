@@ -13,15 +13,12 @@ mod over_time;
 mod position_view;
 
 use super::{Panel, inspector};
-use crate::ui::controls::heading::Heading;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
-use crate::ui::controls::theme::section;
+use crate::ui::controls::theme::{Themed as _, section};
+use crate::ui::controls::{Heading, symbol, theme};
 use crate::ui::maps::paint_map;
 use egui::{Button, Frame, Label, Margin, RichText, ScrollArea, Ui, vec2};
-use touchline_application::app::{Action, Command, EditAction};
+use touchline_application::app::{Command, EditAction};
 use touchline_core::camera::BaseAngles;
 use touchline_core::geometry::{Angle, Vec3, pluralise, thousands};
 use touchline_documents::document::Camera;
@@ -205,9 +202,7 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             }
             .base_from_world(),
         );
-        panel
-            .actions
-            .push(Action::Edit(EditAction::Camera(Box::new(started))));
+        panel.edit(EditAction::Camera(Box::new(started)));
     }
 }
 

@@ -4,8 +4,7 @@
 use super::section;
 use crate::ui::Panel;
 use crate::ui::controls::number::Number;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align, Button, Grid, Layout, RichText, Ui, vec2};
 use touchline_application::app::{Action, EditAction};
 use touchline_core::camera::{BaseAngles, BaseSigma};

@@ -3,8 +3,7 @@
 
 use super::{remark, section};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::plot::{Plot, small};
 use egui::{Align2, Button, CornerRadius, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::Command;

@@ -3,8 +3,7 @@
 
 use super::card;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::pictures::WHOLE;
 use egui::{
     Align, Button, Color32, CornerRadius, Frame, Label, Layout, Margin, Rect, RichText, Role,

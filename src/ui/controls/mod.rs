@@ -2,7 +2,59 @@
 //! theme with its colours and sizes. A control knows no panel. Maps and plots are in `maps`.
 
 pub mod bar;
-pub mod heading;
 pub mod number;
 pub mod symbol;
 pub mod theme;
+
+use self::symbol::Symbol;
+use self::theme::Themed as _;
+use super::{Panel, key_in_brackets};
+use egui::{Align, Frame, Layout, Margin, RichText, Ui};
+use touchline_application::app::Command;
+
+/// A title, and at the right end a button that closes the panel or page.
+pub struct Heading<'a> {
+    /// The title.
+    pub title: &'a str,
+    /// The command that shows and closes the panel or page.
+    pub command: Command,
+    /// The panel or page in the name of the button: "trainer panel".
+    pub closes: &'a str,
+    /// What is shown once it is closed: "frame".
+    pub behind: &'a str,
+}
+
+impl Heading<'_> {
+    /// Shows the heading. `beside` adds to the right of the title, `at_end` to the left of the
+    /// button.
+    pub fn show(
+        &self,
+        panel: &mut Panel<'_>,
+        ui: &mut Ui,
+        beside: impl FnOnce(&mut Panel<'_>, &mut Ui),
+        at_end: impl FnOnce(&mut Panel<'_>, &mut Ui),
+    ) {
+        Frame::new()
+            .inner_margin(Margin::symmetric(8, 6))
+            .show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    let title = RichText::new(self.title).heading();
+                    ui.label(title.color(ui.palette().strong));
+                    beside(panel, ui);
+                    // From right to left, so that the close button keeps its place whatever
+                    // `at_end` adds.
+                    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                        let name = format!("Close the {}", self.closes);
+                        let weak = ui.palette().weak;
+                        let close = symbol::button(ui, Symbol::Cross, &name, weak);
+                        let key = key_in_brackets(&panel.app.settings.keys, self.command);
+                        let tip = format!("Back to the {}.{key}", self.behind);
+                        if close.on_hover_text(tip).clicked() {
+                            panel.run(self.command);
+                        }
+                        at_end(panel, ui);
+                    });
+                });
+            });
+    }
+}

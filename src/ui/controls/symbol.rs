@@ -1,7 +1,6 @@
 //! Symbols, as glyphs of a font of icons. Each button with a symbol has an accessible name.
 
-use super::theme;
-use super::theme::Themed as _;
+use super::theme::{self, Themed as _};
 use egui::{
     Align2, Atom, Color32, Context, FontData, FontDefinitions, FontFamily, FontId, Painter, Rect,
     Response, Role, Sense, Ui, Vec2, WidgetInfo, vec2,

@@ -1,12 +1,13 @@
-//! Version, licence, citation, and a report for bug reports.
+//! Version, licence, citation, a report for bug reports, and the messages of the session.
 
 use super::sheet;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
-use egui::{Button, Context, Label, RichText, vec2};
+use crate::ui::controls::{symbol, theme};
+use crate::ui::rows::notices;
+use egui::{Button, Context, Label, RichText, ScrollArea, vec2};
 use std::fmt::Write as _;
-use touchline_application::app::App;
+use touchline_application::app::{App, Command};
 use touchline_vision::features::opencv_version;
 use touchline_vision::media::VideoBackend;
 
@@ -92,6 +93,30 @@ fn report(app: &App, adapter: &str, ctx: &Context) -> String {
         None => text.push_str("no document"),
     }
     text
+}
+
+/// Shows the dialog.
+pub fn show_messages(panel: &mut Panel<'_>, ctx: &Context) {
+    sheet(panel, ctx, "Messages", vec2(640.0, 460.0), |panel, ui| {
+        let dismiss = Command::DismissNotices;
+        panel.command_button(ui, Button::new(dismiss.name()), dismiss);
+        ui.add_space(theme::SPACE);
+        ScrollArea::vertical()
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                for (level, text) in panel.app.session.messages.log.iter().rev() {
+                    ui.horizontal_top(|ui| {
+                        let (sign, colour) = notices::look(ui.palette(), *level);
+                        symbol::show(ui, sign, colour);
+                        ui.add(
+                            Label::new(RichText::new(text).color(ui.palette().text))
+                                .wrap()
+                                .selectable(true),
+                        );
+                    });
+                }
+            });
+    });
 }
 
 #[cfg(test)]

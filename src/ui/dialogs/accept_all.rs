@@ -2,8 +2,7 @@
 //! many of them are wrong or left and why, and a look at the doubtful ones and at samples.
 
 use super::{cancel, has_just_opened, sheet};
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::miniature;
 use crate::ui::{Panel, review};
 use egui::{
@@ -12,8 +11,8 @@ use egui::{
 };
 use std::sync::Arc;
 use touchline_application::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
-use touchline_application::app::{Action, Command, EditAction, ViewAction};
-use touchline_calibration::proposals::ExpectedWrong;
+use touchline_application::app::{Command, EditAction, ViewAction};
+use touchline_calibration::proposals::{BatchId, ExpectedWrong};
 use touchline_core::geometry::pluralise;
 
 /// Size of the dialog, points.
@@ -142,9 +141,7 @@ fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     ui.checkbox(&mut with, says)
         .on_hover_text("A jump between neighbours means a wrong camera, a cut, or a fast pan.");
     if with != before {
-        panel
-            .actions
-            .push(Action::View(ViewAction::SetWithDisagreeing(with)));
+        panel.view(ViewAction::SetWithDisagreeing(with));
     }
 }
 
@@ -229,7 +226,7 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
         .on_hover_text("Click to look at it first.")
         .clicked()
     {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        panel.close_dialog();
         panel.go_to(index);
     }
 }
@@ -257,10 +254,10 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
     });
     response.on_hover_text("Accept it with the others.");
     if ticked != before {
-        panel.actions.push(Action::View(ViewAction::TickSuggestion {
+        panel.view(ViewAction::TickSuggestion {
             frame: index,
             ticked,
-        }));
+        });
     }
 }
 
@@ -286,7 +283,7 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
         .on_hover_text(format!("Accept all of these at once.{undo} (Enter)"))
         .clicked()
     {
-        panel.actions.push(Action::Edit(EditAction::AcceptAll));
+        panel.edit(EditAction::AcceptAll);
     }
     cancel(panel, ui, leave);
     let said = if bulk.of_stretch.is_some() {
@@ -295,4 +292,24 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
         format!("They become labels that are not used for training.{undo}")
     };
     ui.add(Label::new(RichText::new(said).small().color(ui.palette().weak)).truncate());
+}
+
+/// Shows the dialog. `frames` is the number of frames that show the batch.
+pub fn show_discard_batch(panel: &mut Panel<'_>, ctx: &Context, batch: BatchId, frames: usize) {
+    let title = format!("Discard the suggestions of {frames} frames?");
+    sheet(panel, ctx, &title, vec2(460.0, 180.0), |panel, ui| {
+        let what = "They show again what was suggested before, or nothing. Frames that you have \
+                    changed or accepted since are kept. Undo gives the suggestions back.";
+        ui.add(Label::new(RichText::new(what).color(ui.palette().strong)).wrap());
+        ui.add_space(2.0 * theme::SPACE);
+        let row = vec2(ui.available_width(), 28.0);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+            let does = RichText::new(format!("Discard {frames}")).color(ui.palette().bad);
+            if ui.button(does).on_hover_text("One step of undo.").clicked() {
+                let discard = EditAction::DiscardBatch(batch);
+                panel.edit(discard);
+            }
+            cancel(panel, ui, "Keep them. (Esc)");
+        });
+    });
 }

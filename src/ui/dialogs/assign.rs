@@ -2,11 +2,10 @@
 
 use super::{has_just_opened, sheet};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Button, Context, Id, Label, RichText, ScrollArea, TextEdit, Ui, vec2};
 use touchline_application::app::selection::Scope;
-use touchline_application::app::{Action, CameraChoice, EditAction, Navigation};
+use touchline_application::app::{CameraChoice, EditAction, Navigation};
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::CameraId;
 
@@ -65,9 +64,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
                     field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
                 if create.clicked() || (entered && possible) {
                     let camera = CameraChoice::New(name.trim().into());
-                    panel
-                        .actions
-                        .push(Action::Edit(EditAction::AssignToCamera { scope, camera }));
+                    panel.edit(EditAction::AssignToCamera { scope, camera });
                 }
             });
             ui.add_space(theme::SPACE);
@@ -109,9 +106,7 @@ fn scopes(panel: &mut Panel<'_>, ui: &mut Ui, chosen: Scope) -> usize {
             _ => "This frame is not in a shot.",
         };
         if row.on_disabled_hover_text(why).clicked() {
-            panel
-                .actions
-                .push(Action::Navigate(Navigation::AskCamera(scope)));
+            panel.navigate(Navigation::AskCamera(scope));
         }
     }
     total
@@ -155,9 +150,7 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
                 let tip = format!("Assign to camera {}.", camera.id);
                 if row.on_hover_text(tip).on_disabled_hover_text(why).clicked() {
                     let camera = CameraChoice::Known(CameraId::clone(&camera.id));
-                    panel
-                        .actions
-                        .push(Action::Edit(EditAction::AssignToCamera { scope, camera }));
+                    panel.edit(EditAction::AssignToCamera { scope, camera });
                 }
             }
         });

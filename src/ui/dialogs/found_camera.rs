@@ -3,13 +3,12 @@
 
 use super::{closing_button, sheet};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::paint_map;
 use egui::{Button, Context, Label, vec2};
 use std::time::Duration;
 use touchline_application::app::operations::describe_found;
-use touchline_application::app::{Action, Command, ViewAction, describe_estimate};
+use touchline_application::app::{Command, describe_estimate};
 use touchline_core::geometry::pluralise;
 
 /// Height of the map as a share of the window's.
@@ -21,7 +20,7 @@ const SECONDS_A_FRAME: f64 = 0.1;
 /// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let Some(found) = panel.app.found_camera() else {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        panel.close_dialog();
         return;
     };
     let window = ctx.content_rect().size();
@@ -29,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Camera found", size, |panel, ui| {
         let map = vec2(ui.available_width(), MAP * window.y);
         if paint_map::show(panel, ui, &found, map) {
-            panel.actions.push(Action::View(ViewAction::CloseDialog));
+            panel.close_dialog();
         }
         ui.add_space(2.0 * theme::SPACE);
         ui.add(Label::new(describe_found(&found.found)).wrap());

@@ -5,16 +5,15 @@
 
 use super::sheet;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::{Palette, Themed as _};
+use crate::ui::controls::theme::{self, Palette, Themed as _};
 use crate::ui::drawing::pictures::decode_texture;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
     Button, Context, FontFamily, FontId, Id, Image, Label, RichText, Role, ScrollArea,
     TextureHandle, Ui, WidgetInfo, vec2,
 };
+use touchline_application::app::ViewAction;
 use touchline_application::app::guide::GuidePage;
-use touchline_application::app::{Action, ViewAction};
 use touchline_assets::guide;
 
 /// The Markdown of a page.
@@ -47,16 +46,14 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
                     let button =
                         Button::selectable(other == page, other.title()).min_size(vec2(LIST, 22.0));
                     if ui.add(button).clicked() {
-                        panel
-                            .actions
-                            .push(Action::View(ViewAction::ShowGuidePage(other)));
+                        panel.view(ViewAction::ShowGuidePage(other));
                     }
                 }
                 if leads_back {
                     ui.add_space(2.0 * theme::SPACE);
                     let back = ui.add(Button::new("Back").min_size(vec2(LIST, 22.0)));
                     if back.on_hover_text("Back to the dialog. (Esc)").clicked() {
-                        panel.actions.push(Action::View(ViewAction::CloseDialog));
+                        panel.close_dialog();
                     }
                 }
             });

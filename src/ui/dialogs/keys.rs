@@ -2,12 +2,11 @@
 
 use super::sheet;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{
     Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2,
 };
-use touchline_application::app::{Action, Chord, Command, Keymap, MenuGroup, SettingsAction};
+use touchline_application::app::{Chord, Command, Keymap, MenuGroup, SettingsAction};
 
 /// Keys and pointer actions that are no commands and cannot be changed.
 const FIXED: [(&str, &str); 11] = [
@@ -93,9 +92,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     .on_hover_text("Give every command its default key.")
                     .on_disabled_hover_text("Every command has its default key.");
                 if reset.clicked() {
-                    panel
-                        .actions
-                        .push(Action::Settings(SettingsAction::ResetKeys));
+                    panel.set(SettingsAction::ResetKeys);
                 }
             });
         });
@@ -211,12 +208,7 @@ fn capture(panel: &mut Panel<'_>, ctx: &Context, command: Command) {
     };
     set_waiting(ctx, None);
     if key != Key::Escape {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::AssignKey(
-                command,
-                chord(key, modifiers),
-            )));
+        panel.set(SettingsAction::AssignKey(command, chord(key, modifiers)));
     }
 }
 

@@ -1,31 +1,22 @@
 //! Dialogs. At most one is open at a time.
 //!
 //! Most are sheets in the middle of the darkened window. They close with Escape or a click beside
-//! them, and Tab stays within them. The dialogs about appearance (`overlay_style.rs`,
-//! `picture_look.rs`) leave the window bright and usable, so that their effect is seen.
+//! them, and Tab stays within them. The dialogs about appearance (`overlay_style.rs`) leave the window bright and usable, so that their effect is seen.
 
 mod about;
 mod accept_all;
 mod assign;
-mod changed_outside;
-mod comment;
-mod discard_batch;
 mod found_camera;
 mod fuzzy;
-mod go_to;
 mod guide;
 mod keys;
-mod messages;
-mod not_saved;
-mod orphans;
+mod other_versions;
 mod overlay_style;
 mod palette;
-mod path;
-mod picture_look;
 mod preferences;
 mod sport;
-mod swatches;
 mod transfer;
+mod typed;
 
 pub use keys::captures_keys;
 
@@ -37,8 +28,8 @@ use egui::{
     Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText,
     Sense, Ui, Vec2, vec2,
 };
+use touchline_application::app::Command;
 use touchline_application::app::session::Dialog;
-use touchline_application::app::{Action, Command, ViewAction};
 
 /// Shows the open dialog, if any.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
@@ -48,25 +39,25 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::Palette) => palette::show(panel, ctx),
         Some(Dialog::Keys) => keys::show(panel, ctx),
         Some(Dialog::About) => about::show(panel, ctx),
-        Some(Dialog::Messages) => messages::show(panel, ctx),
+        Some(Dialog::Messages) => about::show_messages(panel, ctx),
         Some(Dialog::Sport) => sport::show(panel, ctx),
         Some(Dialog::Guide { page, behind }) => guide::show(panel, ctx, page, behind.is_some()),
         Some(Dialog::Preferences) => preferences::show(panel, ctx),
-        Some(Dialog::PictureLook) => picture_look::show(panel, ctx),
+        Some(Dialog::PictureLook) => overlay_style::show_picture_look(panel, ctx),
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::DiscardBatch { batch, frames }) => {
-            discard_batch::show(panel, ctx, batch, frames);
+            accept_all::show_discard_batch(panel, ctx, batch, frames);
         }
-        Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
+        Some(Dialog::Comment(comment)) => typed::show_comment(panel, ctx, &comment),
         Some(Dialog::FoundCamera) => found_camera::show(panel, ctx),
-        Some(Dialog::GoToPlace) => go_to::show(panel, ctx),
+        Some(Dialog::GoToPlace) => typed::show_go_to(panel, ctx),
         Some(Dialog::AssignToCamera(scope)) => assign::show(panel, ctx, scope),
-        Some(Dialog::Path(question)) => path::show(panel, ctx, question),
-        Some(Dialog::ChangedOutside) => changed_outside::show(panel, ctx),
+        Some(Dialog::Path(question)) => typed::show_path(panel, ctx, question),
+        Some(Dialog::ChangedOutside) => other_versions::show_changed_outside(panel, ctx),
         Some(Dialog::Transfer) => transfer::show(panel, ctx),
-        Some(Dialog::Orphans) => orphans::show(panel, ctx),
-        Some(Dialog::NotSaved(leaving)) => not_saved::show(panel, ctx, &leaving),
+        Some(Dialog::Orphans) => other_versions::show_orphans(panel, ctx),
+        Some(Dialog::NotSaved(leaving)) => other_versions::show_not_saved(panel, ctx, &leaving),
     }
 }
 
@@ -100,7 +91,7 @@ fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
         ui.painter()
             .rect_filled(all, 0.0, Color32::from_black_alpha(96));
         if response.clicked() {
-            panel.actions.push(Action::View(ViewAction::CloseDialog));
+            panel.close_dialog();
         }
     });
 }
@@ -174,7 +165,7 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
                 palette.weak,
             );
             if close.on_hover_text("Close. (Esc)").clicked() {
-                panel.actions.push(Action::View(ViewAction::CloseDialog));
+                panel.close_dialog();
             }
             to_guide(panel, ui);
         });
@@ -185,7 +176,7 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
 /// The button that closes the dialog without carrying anything out.
 fn cancel(panel: &mut Panel<'_>, ui: &mut Ui, tip: &str) {
     if ui.button("Cancel").on_hover_text(tip).clicked() {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        panel.close_dialog();
     }
 }
 
@@ -194,9 +185,9 @@ fn cancel(panel: &mut Panel<'_>, ui: &mut Ui, tip: &str) {
 fn closing_button(panel: &mut Panel<'_>, ui: &mut Ui, button: Button<'_>, command: Command) {
     let tip = panel.app.settings.keys.tooltip(command);
     if ui.add(button).on_hover_text(tip).clicked() {
-        panel.actions.push(Action::View(ViewAction::CloseDialog));
+        panel.close_dialog();
         if !is_on(panel.app, command) {
-            panel.actions.push(Action::Command(command));
+            panel.run(command);
         }
     }
 }
@@ -218,6 +209,6 @@ fn to_guide(panel: &mut Panel<'_>, ui: &mut Ui) {
         .on_hover_text(tip)
         .clicked()
     {
-        panel.actions.push(Action::Command(Command::Guide));
+        panel.run(Command::Guide);
     }
 }

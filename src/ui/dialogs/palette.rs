@@ -2,8 +2,7 @@
 
 use super::{curtain, fuzzy, has_just_opened};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::lay_out_within;
 use egui::{
     Align2, Area, Context, CornerRadius, FontId, Frame, Id, Key, Margin, Modifiers, Order, Role,

@@ -1,12 +1,12 @@
 //! All settings of the user, as opposed to those of a project.
 
-use super::{sheet, swatches};
+use super::overlay_style::show_swatches;
+use super::sheet;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Button, Context, Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
 use touchline_application::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
-use touchline_application::app::{Action, Command, SettingsAction};
+use touchline_application::app::{Command, SettingsAction};
 use touchline_application::scene::SPORTS;
 
 /// Commands that switch a setting on and off.
@@ -100,9 +100,7 @@ fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .clicked()
                 && before != choice
             {
-                panel
-                    .actions
-                    .push(Action::Settings(SettingsAction::Theme(choice)));
+                panel.set(SettingsAction::Theme(choice));
             }
         }
     });
@@ -118,12 +116,10 @@ fn panel_sizes(panel: &mut Panel<'_>, ui: &mut Ui) {
         .on_disabled_hover_text("The panels have their default sizes.")
         .clicked()
     {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::PanelSizes {
-                side: None,
-                filmstrip: None,
-            }));
+        panel.set(SettingsAction::PanelSizes {
+            side: None,
+            filmstrip: None,
+        });
     }
 }
 
@@ -155,9 +151,7 @@ fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
             });
     });
     if look != before {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::Loupe(look)));
+        panel.set(SettingsAction::Loupe(look));
     }
 }
 
@@ -175,11 +169,9 @@ fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
                 ui.label(sport.name);
                 let chosen = panel.app.settings.overlay_of(sport.id).colour;
                 if let Some(taken) =
-                    swatches::show(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen)
+                    show_swatches(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen)
                 {
-                    panel
-                        .actions
-                        .push(Action::Settings(SettingsAction::LineColour(sport, taken)));
+                    panel.set(SettingsAction::LineColour(sport, taken));
                 }
                 ui.end_row();
             }
@@ -198,9 +190,7 @@ fn memory(panel: &mut Panel<'_>, ui: &mut Ui) {
         );
     });
     if mib != before {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::PictureMemory(mib)));
+        panel.set(SettingsAction::PictureMemory(mib));
     }
 }
 
@@ -230,9 +220,7 @@ fn text_size(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         });
         if !held && size != known {
-            panel
-                .actions
-                .push(Action::Settings(SettingsAction::TextSize(size)));
+            panel.set(SettingsAction::TextSize(size));
         }
     });
 }
@@ -256,6 +244,6 @@ fn switch(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
         switch.on_disabled_hover_text(why_not.unwrap_or_default());
     });
     if on != before {
-        panel.actions.push(Action::Command(command));
+        panel.run(command);
     }
 }

@@ -2,14 +2,13 @@
 
 use super::{has_just_opened, sheet};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::{PlateStyle, plate};
 use egui::{
     Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role,
     ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
-use touchline_application::app::{Action, App, EditAction};
+use touchline_application::app::{App, EditAction};
 use touchline_application::scene::{Ground, Sport};
 use touchline_core::field::{FieldModel, builtin, builtin_names};
 use touchline_core::geometry::pluralise;
@@ -61,9 +60,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                                 card.request_focus();
                             }
                             if card.clicked() {
-                                panel
-                                    .actions
-                                    .push(Action::Edit(EditAction::ChooseSport(name.to_owned())));
+                                panel.edit(EditAction::ChooseSport(name.to_owned()));
                             }
                         }
                     });

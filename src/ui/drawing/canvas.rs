@@ -8,7 +8,9 @@ use eframe::egui_wgpu::{
     Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor,
 };
 use egui::{Align2, Color32, FontId, Id, Painter, Rect};
+use std::sync::Arc;
 use touchline_application::render::{CanvasId, Gpu, Layer, Renderer, View};
+use touchline_application::scene::drawing::{Drawing, Label};
 
 /// The picture of the shown frame.
 pub const VIEWPORT: CanvasId = CanvasId(1);
@@ -111,5 +113,26 @@ impl CallbackTrait for Canvas {
         if let Some(renderer) = resources.get::<Renderer>() {
             renderer.paint(pass, self.id);
         }
+    }
+}
+
+/// Drawings over a picture, from back to front.
+#[derive(Clone, Debug, Default)]
+pub struct Overlay {
+    /// The drawings.
+    pub drawings: Vec<Arc<Drawing>>,
+}
+
+impl Overlay {
+    /// The drawings as layers for the renderer.
+    pub fn layers(&self) -> impl Iterator<Item = Layer> {
+        self.drawings
+            .iter()
+            .map(|drawing| Layer::Drawing(Arc::clone(drawing)))
+    }
+
+    /// The texts of all drawings. The renderer draws no text; `labels.rs` does.
+    pub fn labels(&self) -> impl Iterator<Item = &Label> {
+        self.drawings.iter().flat_map(|drawing| &drawing.labels)
     }
 }

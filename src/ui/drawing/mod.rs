@@ -4,6 +4,5 @@
 
 pub mod canvas;
 pub mod labels;
-pub mod overlay;
 pub mod pictures;
 pub mod placement;

@@ -53,19 +53,16 @@ impl Pictures {
     }
 
     /// The decoded frames, for background work that needs them.
-    #[must_use]
     pub fn shared_pictures(&self) -> SharedPictures {
         self.decoded.shared_pictures()
     }
 
     /// The picture of the shown frame, or its state.
-    #[must_use]
     pub fn current(&self) -> PictureState {
         self.decoded.current()
     }
 
     /// The positions in the document of the frames that are decoded, in no order.
-    #[must_use]
     pub fn decoded_frames(&self) -> Vec<usize> {
         self.decoded.decoded_frames()
     }
@@ -92,13 +89,11 @@ impl Pictures {
     }
 
     /// Whether the thumbnail of a frame cannot be made.
-    #[must_use]
     pub fn has_no_thumbnail(&self, open: &OpenProject, frame: usize) -> bool {
         picture_source(open, frame).is_some_and(|frame| self.decoded.has_no_thumbnail(&frame))
     }
 
     /// How many of the thumbnails in view were available in the last frame of the window.
-    #[must_use]
     pub const fn thumbnails_in_view(&self) -> ThumbnailProgress {
         self.in_view
     }

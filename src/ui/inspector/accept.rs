@@ -2,14 +2,13 @@
 //! while an estimated base waits for a decision it takes that base.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
-use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::symbol::{self, Symbol};
 use crate::ui::controls::theme::Themed as _;
 use egui::{
     Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,
     WidgetInfo, vec2,
 };
-use touchline_application::app::{Action, Command};
+use touchline_application::app::Command;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::FrameStatus;
 
@@ -50,7 +49,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             None => response,
         };
         if response.clicked() {
-            panel.actions.push(Action::Command(Command::Accept));
+            panel.run(Command::Accept);
         }
     });
 }
@@ -67,7 +66,7 @@ fn stretch(panel: &mut Panel<'_>, ui: &mut Ui, count: usize) {
     );
     let about = Command::AcceptStretch.about();
     if response.on_hover_text(about).clicked() {
-        panel.actions.push(Action::Command(Command::AcceptStretch));
+        panel.run(Command::AcceptStretch);
     }
 }
 

@@ -1,12 +1,10 @@
 //! The list of the frame's points, one row each: number, name, residual, and buttons.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::{Palette, Themed as _};
-use crate::ui::drawing::labels;
-use crate::ui::drawing::labels::lay_out_within;
+use crate::ui::controls::{symbol, theme};
+use crate::ui::drawing::labels::{self, lay_out_within};
 use crate::ui::rows::menu;
 use egui::{
     Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense,
@@ -179,9 +177,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
             Action::Command(Command::RenameClick),
         ]);
     } else if response.clicked() || response.secondary_clicked() {
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::Select(Some(index))));
+        panel.navigate(Navigation::Select(Some(index)));
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     // The buttons are widgets of their own on top of the row.
@@ -221,9 +217,7 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
         .on_hover_text(format!("Delete this point.{key}"))
         .clicked()
     {
-        panel
-            .actions
-            .push(Action::Edit(EditAction::DeleteClick(index)));
+        panel.edit(EditAction::DeleteClick(index));
     }
     let name = format!("Check point {}", index + 1);
     let on = labels::colour(CHECK);
@@ -232,10 +226,10 @@ fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click)
         .on_hover_text(keys.tooltip(Command::ToggleCheck))
         .clicked()
     {
-        panel.actions.push(Action::Edit(EditAction::SetCheck {
+        panel.edit(EditAction::SetCheck {
             click: index,
             check: !click.check,
-        }));
+        });
     }
 }
 

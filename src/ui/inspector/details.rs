@@ -2,14 +2,13 @@
 //! are collapsed by default.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
 use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::camera_text::CameraText;
 use touchline_application::app::review::percent;
-use touchline_application::app::{Action, App, Command, EditAction, SettingsAction};
+use touchline_application::app::{App, Command, EditAction, SettingsAction};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Solution, Target};
 
@@ -46,9 +45,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
     let response = response.on_hover_text("Uncertainties, residuals, the camera, every warning.");
     if response.clicked() {
-        panel
-            .actions
-            .push(Action::Settings(SettingsAction::Details(!open)));
+        panel.set(SettingsAction::Details(!open));
     }
     // Details that open in the lower half would be out of view.
     if has_just_unfolded(ui, open) && rect.top() > ui.clip_rect().center().y {
@@ -266,7 +263,7 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
             .on_hover_text(tip)
             .clicked()
         {
-            panel.actions.push(Action::Edit(EditAction::Pick(target)));
+            panel.edit(EditAction::Pick(target));
         }
     }
     ui.add_space(theme::SPACE);

@@ -13,8 +13,7 @@ mod verdict;
 pub use accept::show as accept;
 
 use super::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::field_map;
 use egui::{Frame, Margin, ScrollArea, Sense, Ui, vec2};
 

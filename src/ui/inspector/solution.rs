@@ -2,8 +2,7 @@
 
 use crate::ui::Panel;
 use crate::ui::controls::number::Number;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, Ui};
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::camera::Ptz;
@@ -218,7 +217,7 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let again = ui.add(Button::new("Solve again").small());
                 if again.on_hover_text("Solve from the points again and discard the numbers set manually.").clicked() {
-                    panel.actions.push(Action::Edit(EditAction::SolveAgain));
+                    panel.edit(EditAction::SolveAgain);
                 }
             });
         }
@@ -248,13 +247,11 @@ fn show_unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
         .on_hover_text("Start from a typical view and drag pan, tilt and focal length.");
     if by_hand.clicked() {
         let focal_px = START_FOCAL_WIDTHS * f64::from(frame.image_size.width);
-        panel
-            .actions
-            .push(Action::Edit(EditAction::Ptz(Ptz::from_degrees(
-                0.0,
-                START_TILT_DEG,
-                focal_px,
-            ))));
+        panel.edit(EditAction::Ptz(Ptz::from_degrees(
+            0.0,
+            START_TILT_DEG,
+            focal_px,
+        )));
     }
 }
 

@@ -4,10 +4,9 @@
 //! check and the switch for training.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
 use crate::ui::drawing::labels::lay_out_within;
 use egui::{
     Align2, Button, Label, Rect, RichText, Role, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2,
@@ -145,12 +144,10 @@ fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
         "By default the forest is not trained with accepted proposals. Use them where no clicked reference looks.",
     );
     if used != before {
-        panel
-            .actions
-            .push(Action::Edit(EditAction::SetUseForTraining {
-                frame: panel.app.session.frame,
-                used,
-            }));
+        panel.edit(EditAction::SetUseForTraining {
+            frame: panel.app.session.frame,
+            used,
+        });
     }
 }
 
@@ -300,10 +297,10 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
                 .clicked()
             {
                 let camera = CameraChoice::Known(better.camera.clone());
-                panel.actions.push(Action::Edit(EditAction::AssignToCamera {
+                panel.edit(EditAction::AssignToCamera {
                     scope: Scope::Frame,
                     camera,
-                }));
+                });
             }
         } else if let Some((command, word)) = mend {
             panel.run_on_click(ui.button(word), command);
@@ -322,9 +319,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
                 .on_hover_text("Show all warnings in the details.")
                 .clicked()
             {
-                panel
-                    .actions
-                    .push(Action::Settings(SettingsAction::Details(true)));
+                panel.set(SettingsAction::Details(true));
             }
         }
     });

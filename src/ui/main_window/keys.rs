@@ -5,12 +5,11 @@
 //! Escape, and one that [`opens`] lists also with the key that opens it. It takes all other keys,
 //! unless it is about appearance.
 
-use super::focus::{Focus, is_free};
 use super::key_stroke::{KeyStroke, command_of, key_of, question_mark};
 use crate::ui::{dialogs, takes_keys};
 use egui::{Event, FocusDirection, Key};
 use touchline_application::app::session::{Dialog, HeldCommands, Mode};
-use touchline_application::app::{Action, App, Command, EditAction, ViewAction};
+use touchline_application::app::{Action, App, Command, EditAction, MenuGroup, ViewAction};
 
 /// Distance by which an arrow key moves the selected point, px of the picture: alone, with Shift,
 /// with Alt.
@@ -208,9 +207,93 @@ fn is_held_down(app: &App, command: Command) -> bool {
     }
 }
 
+// What has the keyboard focus, and which keys it leaves to the program.
+//
+// A button handles the keys that press it or lead away from it. A text field reads all plain keys
+// and has its own undo, cursor and clipboard, whichever letters the user gave to commands.
+
+/// What has the keyboard focus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Focus {
+    /// Nothing.
+    #[default]
+    Free,
+    /// A button or similar, reached by Tab: it handles Enter, Space, Tab and arrows itself.
+    Widget,
+    /// A text field.
+    Text,
+}
+
+impl Focus {
+    /// What has the focus in the window now.
+    pub fn now(ctx: &egui::Context) -> Self {
+        if ctx.text_edit_focused() {
+            Self::Text
+        } else if ctx.egui_wants_keyboard_input() {
+            Self::Widget
+        } else {
+            Self::Free
+        }
+    }
+}
+
+/// Whether the focused control leaves this key to the program, given the command that has it.
+pub(super) fn is_free(stroke: &KeyStroke, command: Option<Command>, focus: Focus) -> bool {
+    let function_key = stroke.key.name().len() > 1 && stroke.key.name().starts_with('F');
+    match focus {
+        Focus::Free => true,
+        Focus::Widget => !matches!(
+            stroke.key,
+            Key::Enter
+                | Key::Space
+                | Key::Tab
+                | Key::Escape
+                | Key::ArrowLeft
+                | Key::ArrowRight
+                | Key::ArrowUp
+                | Key::ArrowDown
+        ),
+        // A text field has its own undo, cursor and clipboard keys. Only function keys and the
+        // shortcuts of a few commands are left, whichever letters the user gave them.
+        Focus::Text => {
+            function_key
+                || stroke.modifiers.command
+                    && !is_key_of_text(stroke.key)
+                    && command.is_some_and(works_beside_text)
+        }
+    }
+}
+
+/// Whether a shortcut of a command works while a text is typed: it is about the whole document or
+/// the program, so that the text that has the focus does not matter to it.
+fn works_beside_text(command: Command) -> bool {
+    command.group() == MenuGroup::File || matches!(command, Command::Comment | Command::Palette)
+}
+
+/// Whether a text field has its own meaning for Ctrl with a key, so that no command gets it there.
+const fn is_key_of_text(key: Key) -> bool {
+    matches!(
+        key,
+        Key::A
+            | Key::C
+            | Key::V
+            | Key::X
+            | Key::Y
+            | Key::Z
+            | Key::ArrowLeft
+            | Key::ArrowRight
+            | Key::ArrowUp
+            | Key::ArrowDown
+            | Key::Home
+            | Key::End
+            | Key::Backspace
+            | Key::Delete
+    )
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::key_stroke::stroke;
+    use super::super::key_stroke::{command_of, stroke};
     use super::*;
     use crate::ui::open_with_click;
     use egui::Modifiers;
@@ -386,5 +469,26 @@ mod tests {
             press(&app, Key::O, NONE),
             Some(Action::View(ViewAction::CloseDialog))
         );
+    }
+
+    #[test]
+    fn beside_a_text_the_keys_are_those_of_the_users_keymap() {
+        let mut app = open_with_click(ImagePoint::new(10.0, 20.0));
+        let keys = &mut app.settings.keys;
+        keys.assign(Command::Save, "Ctrl+J".parse().unwrap());
+        keys.assign(Command::Undo, "Ctrl+E".parse().unwrap());
+        keys.assign(Command::Quit, "Ctrl+A".parse().unwrap());
+        for (key, expected) in [
+            (Key::J, Some(Command::Save)),
+            (Key::S, None),
+            // Undo is the text field's own, and so is the key that selects all of a text.
+            (Key::E, None),
+            (Key::A, None),
+        ] {
+            let stroke = stroke(key, Modifiers::COMMAND);
+            let command = command_of(&app, &stroke);
+            let free = command.filter(|_| is_free(&stroke, command, Focus::Text));
+            assert_eq!(free, expected, "{key:?}");
+        }
     }
 }

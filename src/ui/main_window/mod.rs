@@ -3,11 +3,9 @@
 //! opened from here, too. What a panel shows is written in the panel's own file.
 
 mod files;
-mod focus;
 mod input_queue;
 mod key_stroke;
 pub mod keys;
 pub mod layout;
-mod resizing;
 pub mod shell;
 pub mod window;

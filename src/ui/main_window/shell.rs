@@ -83,7 +83,6 @@ impl Shell {
     }
 
     /// The application behind the window.
-    #[must_use]
     pub const fn app(&self) -> &App {
         &self.app
     }
@@ -111,20 +110,17 @@ impl Shell {
     }
 
     /// Whether the shown frame's picture is available.
-    #[must_use]
     pub fn has_picture(&self) -> bool {
         matches!(self.pictures.current(), PictureState::Ready(..))
     }
 
     /// Whether every thumbnail in view is available.
-    #[must_use]
     pub const fn has_thumbnails(&self) -> bool {
         let progress = self.pictures.thumbnails_in_view();
         progress.done == progress.wanted
     }
 
     /// Whether no background work is running.
-    #[must_use]
     pub fn is_idle(&self) -> bool {
         !self.runner.is_busy()
     }

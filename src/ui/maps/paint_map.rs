@@ -7,7 +7,7 @@
 use crate::ui::Panel;
 use crate::ui::controls::theme::Themed as _;
 use egui::{Color32, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, vec2};
-use touchline_application::app::{Action, Navigation};
+use touchline_application::app::Navigation;
 use touchline_application::scene::paint_map::{PaintMapFrame, PaintMapScene, line_pieces};
 use touchline_calibration::calibrate::FoundCamera;
 use touchline_core::geometry::{ImagePoint, subsample};
@@ -55,7 +55,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &FoundCamera, within: Vec
     });
     if let Some(place) = place {
         let goal = Navigation::GoTo(frames[place].0);
-        panel.actions.push(Action::Navigate(goal));
+        panel.navigate(goal);
     }
     let tip = "White: paint that stays in place while the camera pans. Orange: the field's lines with this camera. Where the two coincide, the camera is right. Click to go to the frame that shows that place.";
     response.on_hover_text(tip);

@@ -3,9 +3,8 @@
 //!
 //! It stands beside the point, on the side where it hides least of the lines that the user aims at.
 
-use crate::ui::drawing::canvas;
+use crate::ui::drawing::canvas::{self, Overlay};
 use crate::ui::drawing::labels::{PlateStyle, plate};
-use crate::ui::drawing::overlay::Overlay;
 use crate::ui::drawing::placement::Placement;
 use egui::{
     Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Vec2,

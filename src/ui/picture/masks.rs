@@ -7,7 +7,7 @@ use crate::ui::drawing::placement::Placement;
 use egui::{
     Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2,
 };
-use touchline_application::app::{Action, App, EditAction, MaskList, Tool};
+use touchline_application::app::{App, EditAction, MaskList, Tool};
 use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// Side of the delete button, points.
@@ -163,10 +163,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
             ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         }
         if response.clicked() {
-            panel.actions.push(Action::Edit(EditAction::RemoveMask {
+            panel.edit(EditAction::RemoveMask {
                 list: mask.list,
                 index: mask.index,
-            }));
+            });
         }
     }
 }

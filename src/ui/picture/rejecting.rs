@@ -4,8 +4,8 @@
 use super::typing;
 use crate::ui::Panel;
 use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
+use touchline_application::app::EditAction;
 use touchline_application::app::session::{Mode, reason_label};
-use touchline_application::app::{Action, EditAction};
 use touchline_documents::document::RejectReason;
 
 /// Reads the keys 1 to 6 while a reason is chosen, and removes them from the input.
@@ -28,9 +28,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
             let Some(reason) = number.and_then(|index| RejectReason::ALL.get(index)) else {
                 return true;
             };
-            panel
-                .actions
-                .push(Action::Edit(EditAction::RejectAs(*reason)));
+            panel.edit(EditAction::RejectAs(*reason));
             false
         });
     });
@@ -60,9 +58,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, bounds: Rect, whole_shot: bool
                                 .button(format!("{}  {}", index + 1, reason_label(reason)))
                                 .clicked()
                             {
-                                panel
-                                    .actions
-                                    .push(Action::Edit(EditAction::RejectAs(reason)));
+                                panel.edit(EditAction::RejectAs(reason));
                             }
                         }
                         ui.weak("Esc cancels");
@@ -76,6 +72,7 @@ mod tests {
     use super::*;
     use crate::ui::{Pictures, open_with_click};
     use std::sync::Arc;
+    use touchline_application::app::Action;
     use touchline_application::app::{App, Command};
     use touchline_core::geometry::ImagePoint;
 

@@ -5,8 +5,7 @@
 use super::course_plots::CoursePlots;
 use super::{card, legend};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::rows::menu::file_name;
 use egui::{Button, Label, RichText, Ui};
 use touchline_application::app::quality::{Course, CoursePoint, PointKind, TimeAxis, within_whole};

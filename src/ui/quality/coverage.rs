@@ -3,8 +3,7 @@
 
 use super::{card, legend};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::coverage_map::{CoverageMap, coverage_colour, label_next, missing};
 use crate::ui::rows::menu::file_name;
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};

@@ -5,8 +5,7 @@
 
 use super::{card, legend};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::plot::Plot;
 use egui::{
     CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,

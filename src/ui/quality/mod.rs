@@ -5,7 +5,7 @@
 //!
 //! | card | file |
 //! |---|---|
-//! | pan, tilt and focal length over time | `course.rs`, `course_plots.rs`, `time.rs` |
+//! | pan, tilt and focal length over time | `course.rs`, `course_plots.rs` |
 //! | errors of clicks; by landmark and line | `errors.rs`, `targets.rs` |
 //! | where frames look | `coverage.rs` |
 //! | the annotator's own click noise | `gold.rs`, `scatter.rs` |
@@ -22,15 +22,13 @@ mod gold;
 mod legend;
 mod scatter;
 mod targets;
-mod time;
 
 use super::Panel;
-use crate::ui::controls::heading::Heading;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{Heading, theme};
 use egui::layers::ShapeIdx;
 use egui::{Align, CornerRadius, Frame, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
-use touchline_application::app::{Action, Command, ViewAction};
+use touchline_application::app::{Command, ViewAction};
 
 /// Gap between two cards, points.
 const GAP: f32 = 8.0;
@@ -125,11 +123,7 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
                     .selectable_label(camera.id == *chosen, camera.id.as_str())
                     .clicked()
                 {
-                    panel
-                        .actions
-                        .push(Action::View(ViewAction::SetQualityCamera(
-                            camera.id.clone(),
-                        )));
+                    panel.view(ViewAction::SetQualityCamera(camera.id.clone()));
                     ui.close();
                 }
             }

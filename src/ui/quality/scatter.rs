@@ -3,8 +3,7 @@
 
 use crate::ui::controls::theme::Themed as _;
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
-use touchline_core::geometry::Vec2;
-use touchline_core::geometry::quantile;
+use touchline_core::geometry::{Vec2, quantile};
 
 /// Side of the plot, points.
 const SIDE: f32 = 190.0;

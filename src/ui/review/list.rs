@@ -6,19 +6,17 @@
 //! row of the shown frame keeps its place.
 
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::lay_out_within;
 use crate::ui::maps::miniature;
-use crate::ui::rows::menu;
-use crate::ui::rows::menu::file_name;
+use crate::ui::rows::menu::{self, file_name};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui,
     WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
 use touchline_application::app::session::status_label;
-use touchline_application::app::{Action, Command, ViewAction, sentence};
+use touchline_application::app::{Command, ViewAction, sentence};
 
 /// Height of a row, points.
 const ROW: f32 = 44.0;
@@ -110,9 +108,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     // The application keeps the order while the pointer is over the list.
     let held = ui.rect_contains_pointer(shown.inner_rect);
     if held != panel.app.session.review.held {
-        panel
-            .actions
-            .push(Action::View(ViewAction::HoldReview(held)));
+        panel.view(ViewAction::HoldReview(held));
     }
 }
 

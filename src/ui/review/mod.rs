@@ -4,14 +4,12 @@
 mod list;
 
 use super::{Panel, inspector};
-use crate::ui::controls::heading::Heading;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{Heading, symbol, theme};
 use egui::{Button, DragValue, Frame, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use touchline_application::app::review::{ReviewOrder, percent};
-use touchline_application::app::{Action, Command, ViewAction};
+use touchline_application::app::{Command, ViewAction};
 use touchline_core::geometry::pluralise;
 
 /// Shows the panel.
@@ -65,9 +63,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
                 for order in ReviewOrder::ALL {
                     let says = Button::selectable(order == chosen, order.label());
                     if ui.add(says).on_hover_text(order.about()).clicked() {
-                        panel
-                            .actions
-                            .push(Action::View(ViewAction::SetReviewOrder(order)));
+                        panel.view(ViewAction::SetReviewOrder(order));
                     }
                 }
             });
@@ -81,9 +77,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
                 ui.checkbox(&mut one, "One per shot")
                     .on_hover_text("List only the first of each shot in this order.");
                 if one != before {
-                    panel
-                        .actions
-                        .push(Action::View(ViewAction::SetOnePerShot(one)));
+                    panel.view(ViewAction::SetOnePerShot(one));
                 }
             });
     }
@@ -163,7 +157,7 @@ fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
             ))
             .clicked()
         {
-            panel.actions.push(Action::Command(command));
+            panel.run(command);
         }
         threshold(panel, ui);
         if left_out > 0 {
@@ -195,10 +189,6 @@ pub fn threshold(panel: &mut Panel<'_>, ui: &mut Ui) {
         .accessible_name("Accept above, per cent")
         .on_hover_text(tip);
     if percent != before {
-        panel
-            .actions
-            .push(Action::View(ViewAction::SetReviewThreshold(
-                percent / 100.0,
-            )));
+        panel.view(ViewAction::SetReviewThreshold(percent / 100.0));
     }
 }

@@ -3,8 +3,7 @@
 //! the list of messages.
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
-use crate::ui::controls::symbol::Symbol;
+use crate::ui::controls::symbol::{self, Symbol};
 use crate::ui::controls::theme::{Palette, Themed as _};
 use egui::{Align, Button, Color32, Id, Label, Layout, RichText, Role, Ui, WidgetInfo};
 use std::time::Duration;
@@ -37,9 +36,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .on_hover_text("Dismiss this message.")
                 .clicked()
             {
-                panel
-                    .actions
-                    .push(Action::View(ViewAction::DismissNotice(notice.id)));
+                panel.view(ViewAction::DismissNotice(notice.id));
             }
         }
         others(panel, ui);
@@ -48,9 +45,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         // answers the message, which goes.
         for &(says, command) in notice.offers.iter().rev() {
             if panel.run_on_click(ui.add(Button::new(says).small()), command) {
-                panel
-                    .actions
-                    .push(Action::View(ViewAction::DismissNotice(notice.id)));
+                panel.view(ViewAction::DismissNotice(notice.id));
             }
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

@@ -6,7 +6,7 @@ use crate::ui::drawing::labels::text_width;
 use egui::{Align, Button, Label, Layout, RectAlign, RichText, TextStyle, Tooltip, Ui};
 use touchline_application::app::guidance::{Guidance, next_step};
 use touchline_application::app::session::PictureView;
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{App, Command};
 
 /// Widths of the zoom and of the pointer's position, points.
 const ZOOM: f32 = 72.0;
@@ -160,7 +160,7 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
             panel.app.settings.keys.tooltip(Command::ZoomToFit)
         );
         if ui.add(button).on_hover_text(tip).clicked() {
-            panel.actions.push(Action::Command(Command::ZoomToFit));
+            panel.run(Command::ZoomToFit);
         }
         ui.separator();
     }

@@ -6,8 +6,8 @@ use crate::ui::controls::theme::Themed as _;
 use egui::{
     Align, Button, Color32, Frame, Label, Layout, Margin, RichText, Sense, Stroke, Ui, vec2,
 };
+use touchline_application::app::Command;
 use touchline_application::app::tour::{Tour, TourStep};
-use touchline_application::app::{Action, Command};
 
 /// Shows the bar during a tour.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -42,7 +42,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                             .on_hover_text(command.about())
                             .clicked()
                         {
-                            panel.actions.push(Action::Command(*command));
+                            panel.run(*command);
                         }
                     }
                     dots(ui, step);

@@ -1,8 +1,7 @@
 //! The moving picture of the start page: two clicks on a frame of the demo match, and the field's
 //! lines where the camera that was solved from them projects them.
 
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::{PlateStyle, plate};
 use crate::ui::drawing::pictures::{WHOLE, decode_texture};
 use egui::{

@@ -1,20 +1,21 @@
 //! The start page. It takes the place of the picture while nothing is open: what the program does,
-//! as a film ([`film`]), beside it what one can begin with, and the documents that were opened last
-//! ([`recent`]).
+//! as a film ([`film`]), beside it what one can begin with, and the documents that were opened
+//! last.
 
 mod film;
-mod recent;
 
 use super::Panel;
+use super::controls::theme::Themed as _;
+use super::drawing::labels::lay_out_within;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{symbol, theme};
 use crate::ui::rows::menu::document_name;
 use egui::{
-    Align, Button, Id, Key, Layout, Margin, Rect, RichText, ScrollArea, TextEdit, Ui, UiBuilder,
-    vec2,
+    Align, Button, Color32, CornerRadius, FontId, Id, Key, Layout, Margin, Rect, RichText, Role,
+    ScrollArea, Sense, TextEdit, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 use std::path::PathBuf;
+use touchline_application::app::settings::RecentDocument;
 use touchline_application::app::{Action, Command};
 
 /// Smallest and largest width of the film, points.
@@ -97,7 +98,7 @@ fn beginnings(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
         let cancel = ui.button("Cancel").on_hover_text("Stop opening. (Esc)");
         if cancel.clicked() {
-            panel.actions.push(Action::Command(Command::Cancel));
+            panel.run(Command::Cancel);
         }
         return;
     }
@@ -146,7 +147,7 @@ fn beginnings(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     path_field(panel, ui);
     ui.label(RichText::new(INVITATION).small().color(ui.palette().weak));
-    recent::show(panel, ui);
+    show_recent(panel, ui);
 }
 
 /// Says which labels wait for their pictures.
@@ -164,7 +165,7 @@ fn waiting_labels(panel: &mut Panel<'_>, ui: &mut Ui) {
         .button("Leave them")
         .on_hover_text("Import nothing. (Esc)");
     if leave.clicked() {
-        panel.actions.push(Action::Command(Command::Cancel));
+        panel.run(Command::Cancel);
     }
 }
 
@@ -199,6 +200,80 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
     });
     ui.data_mut(|data| data.insert_temp(memory, typed));
+}
+
+/// Maximum number of documents in the list.
+const SHOWN: usize = 5;
+/// Size of a picture, points.
+const PICTURE: [f32; 2] = [80.0, 45.0];
+
+/// Lists the documents.
+pub fn show_recent(panel: &mut Panel<'_>, ui: &mut Ui) {
+    if panel.app.settings.recent.is_empty() {
+        return;
+    }
+    ui.add_space(theme::SPACE);
+    theme::title(ui, "RECENT");
+    for document in panel.app.settings.recent.iter().take(SHOWN) {
+        let picture = document.picture();
+        let picture = picture.and_then(|picture| panel.pictures.thumbnail_of(picture));
+        if recent_row(ui, document, picture) {
+            panel.actions.push(Action::Open(document.file.clone()));
+        }
+    }
+}
+
+/// Shows a document as a row, and whether it was clicked.
+fn recent_row(
+    ui: &mut Ui,
+    document: &RecentDocument,
+    picture: Option<egui::TextureHandle>,
+) -> bool {
+    let size = vec2(ui.available_width(), PICTURE[1] + 2.0 * theme::SPACE);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let name = document_name(&document.file);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    let visuals = ui.style().interact(&response);
+    let (ground, border) = (visuals.weak_bg_fill, visuals.bg_stroke);
+    let painter = ui.painter();
+    painter.rect(
+        rect,
+        CornerRadius::same(4),
+        ground,
+        border,
+        egui::StrokeKind::Inside,
+    );
+
+    // The picture fills its box; what is longer than the box is cut.
+    let place = rect.min + egui::Vec2::splat(theme::SPACE);
+    let place = Rect::from_min_size(place, PICTURE.into());
+    painter.rect_filled(place, CornerRadius::same(2), ui.palette().raised);
+    if let Some(picture) = picture {
+        let shape = picture.size_vec2();
+        // `cut` is the scale at which the shorter side fills the box, `shown` the part of the
+        // picture that is then within the box, in texture coordinates.
+        let cut = (place.size() / shape).max_elem();
+        let shown = place.size() / (shape * cut);
+        let seen = Rect::from_center_size(pos2(0.5, 0.5), shown);
+        painter.image(picture.id(), place, seen, Color32::WHITE);
+    }
+
+    let folder = document
+        .file
+        .parent()
+        .map(|folder| folder.display().to_string());
+    let width = rect.right() - place.right() - 4.0 * theme::SPACE;
+    for (text, size, colour, y) in [
+        (name, 13.0, ui.palette().strong, -17.0),
+        (folder.unwrap_or_default(), 11.0, ui.palette().weak, 2.0),
+    ] {
+        let galley = lay_out_within(painter, text, FontId::proportional(size), colour, width);
+        let at = pos2(place.right() + 2.0 * theme::SPACE, rect.center().y + y);
+        painter.galley(at, galley, colour);
+    }
+    response
+        .on_hover_text(document.file.display().to_string())
+        .clicked()
 }
 
 #[cfg(test)]

@@ -2,8 +2,7 @@
 
 use super::place_and_name;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{
     Color32, Galley, Label, RichText, Sense, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText,
     vec2,

@@ -2,24 +2,23 @@
 //! accuracy, the proposals, and where references are missing.
 
 mod accuracy;
-mod map;
 
 use super::Panel;
-use crate::ui::controls::heading::Heading;
-use crate::ui::controls::symbol;
+use super::controls::theme::Themed as _;
+use super::maps::coverage_map::{CoverageMap, label_next, missing};
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::theme::section;
+use crate::ui::controls::{Heading, symbol, theme};
 use crate::ui::rows::menu::file_name;
 use egui::{
-    Button, Checkbox, Color32, Frame, Grid, Label, Margin, ProgressBar, RichText, ScrollArea, Ui,
+    Button, Checkbox, Color32, Frame, Grid, Label, Margin, ProgressBar, RichText, ScrollArea,
+    Sense, Stroke, Ui,
 };
 use touchline_application::app::{
-    Action, Command, EditAction, ForestFacts, TrainerActivity, TrainerStatus, UnusableReference,
+    Command, EditAction, ForestFacts, TrainerActivity, TrainerStatus, UnusableReference,
     describe_left,
 };
-use touchline_calibration::proposals::Suspect;
+use touchline_calibration::proposals::{Coverage, LeftOut, Quality, Suspect, WRONG_PX};
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::{FrameId, FrameStatus};
 
@@ -50,9 +49,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 forest(ui, facts);
                 proposals(panel, ui, &status);
             }
-            if let Some(coverage) = map::find_coverage(panel, &status.coverage) {
+            if let Some(coverage) = find_coverage(panel, &status.coverage) {
                 section(ui, "WHERE REFERENCES LOOK");
-                map::show(panel, ui, coverage, status.quality.as_deref());
+                show_map(panel, ui, coverage, status.quality.as_deref());
             }
             if let Some(quality) = &status.quality {
                 section(ui, "ACCURACY");
@@ -155,12 +154,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         ui.add(Checkbox::new(&mut used, "Use this frame for training"))
             .on_hover_text(tip);
         if used != before {
-            panel
-                .actions
-                .push(Action::Edit(EditAction::SetUseForTraining {
-                    frame: shown,
-                    used,
-                }));
+            panel.edit(EditAction::SetUseForTraining { frame: shown, used });
         }
     }
     // References that contradict others, and those that cannot be used.
@@ -279,9 +273,7 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     ))
     .on_hover_text(tip);
     if snapped != before {
-        panel
-            .actions
-            .push(Action::Command(Command::SnapSuggestions));
+        panel.run(Command::SnapSuggestions);
     }
     let advice = &panel.app.review().advice;
     if let Some(text) = panel.app.where_to_label() {
@@ -300,4 +292,53 @@ fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
         symbol::show(ui, sign, colour);
         ui.add(Label::new(text).wrap());
     });
+}
+
+/// Height of the map, points.
+const HEIGHT: f32 = 84.0;
+
+/// The map of the shown frame's camera; `None` if that camera has no reference.
+pub fn find_coverage<'a>(panel: &Panel<'_>, maps: &'a [Coverage]) -> Option<&'a Coverage> {
+    let frame = panel.app.frame()?;
+    maps.iter().find(|map| map.camera == frame.camera)
+}
+
+/// Shows the map. Dots are references that were left out of the training; an outline is the shown
+/// frame; a pointer at the top shows where a label helps most.
+pub fn show_map(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option<&Quality>) {
+    let map = CoverageMap::show(ui, coverage, HEIGHT, Sense::hover());
+    let app = panel.app;
+    if let (Some(camera), Some(frame)) = (&app.current().camera, app.frame()) {
+        map.outline(camera, frame.image_size);
+    }
+    for tested in quality.into_iter().flat_map(|quality| &quality.tested) {
+        dot(&map, tested);
+    }
+    if let Some(pan_deg) = label_next(panel, coverage) {
+        map.pointer(pan_deg);
+    }
+    let tip = "Pan to the right, tilt upwards. Blue: seen by references, the brighter the more. Red: field not seen by any. \
+               Dots: references that were left out and found again (green), found wrong (red) or not found (ring). Outline: \
+               the shown frame. Pointer from above: where a label helps most.";
+    map.response.clone().on_hover_text(tip);
+    map.borders(ui);
+    ui.add(Label::new(missing(coverage)).wrap());
+}
+
+/// Draws a reference that was left out: filled if found, in another colour if found in a wrong
+/// place, a ring if not found.
+fn dot(map: &CoverageMap<'_>, tested: &LeftOut) {
+    let at = map.at(tested.pan_deg, tested.tilt_deg);
+    match tested.found {
+        Some(found) if found.error_px <= WRONG_PX => {
+            map.painter
+                .circle_filled(at, 3.0, map.painter.palette().good)
+        }
+        Some(_) => map
+            .painter
+            .circle_filled(at, 3.5, map.painter.palette().bad),
+        None => map
+            .painter
+            .circle_stroke(at, 3.0, Stroke::new(1.5, map.painter.palette().caution)),
+    };
 }

@@ -26,7 +26,6 @@ pub struct BinaryDescriptor {
 
 impl BinaryDescriptor {
     /// A descriptor from at most 64 bytes, least significant bit first.
-    #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Self {
         let mut words = [0u64; WORDS];
         for (at, byte) in bytes.iter().enumerate().take(8 * WORDS) {
@@ -40,7 +39,6 @@ impl BinaryDescriptor {
     /// Of ORB the first 128 bits are taken, which its authors found to vary most; of AKAZE every
     /// 3.8th. A set bit has the value 40, so that a quarter of the bits differing, 32 · 40² / 512²,
     /// is about the gate on SIFT's squared distances (0.2).
-    #[must_use]
     pub fn as_bytes(&self, kind: BinaryKind) -> Descriptor {
         const SET: u8 = 40;
         let step = match kind {
@@ -58,7 +56,6 @@ impl BinaryDescriptor {
     }
 
     /// Hamming distance: the number of bits that differ.
-    #[must_use]
     pub fn distance(&self, other: &Self) -> u32 {
         self.bits
             .iter()
@@ -70,7 +67,6 @@ impl BinaryDescriptor {
 
 impl BinaryKind {
     /// Number of bits of a descriptor.
-    #[must_use]
     pub const fn bits(self) -> u32 {
         match self {
             Self::Orb => 256,

@@ -3,8 +3,8 @@
 //! A bar consists of the rows (or columns) from a border on that are black in nearly all pictures.
 //! It must end abruptly, at the same row in most pictures, which a dark sky does not.
 
+use super::burnt_in::StaticGraphic;
 use super::reduced::ReducedPicture;
-use super::standing_graphic::StaticGraphic;
 use touchline_core::geometry::PixelBox;
 
 /// Upper limit of black after compression, grey levels.

@@ -39,7 +39,6 @@ pub struct FeatureKey(String);
 impl FeatureKey {
     /// Combines the SHA-256 of the picture's file, as documents store it, with the settings and the
     /// masks.
-    #[must_use]
     pub fn new(picture_sha256: &str, options: &FeatureOptions, masks: &[PixelBox]) -> Self {
         // The masks come last, because they alone vary in number: no two combinations are the same
         // bytes. 128 bits are enough against accidental collisions.
@@ -61,7 +60,6 @@ impl FeatureKey {
 impl FeatureCache {
     /// A cache of at most `max_bytes` in a folder, which is created when the first features are
     /// stored.
-    #[must_use]
     pub fn new(folder: &Path, max_bytes: u64) -> Self {
         Self {
             folder: folder.to_path_buf(),
@@ -71,7 +69,6 @@ impl FeatureCache {
     }
 
     /// The stored features of a picture, if there are any and the file is intact.
-    #[must_use]
     pub fn get(&self, key: &FeatureKey) -> Option<Features> {
         decode(&read_regular(&self.file(key)).ok()?)
     }

@@ -1,4 +1,6 @@
-//! SIFT descriptors as 128 bytes.
+//! SIFT keypoints, and their descriptors as 128 bytes.
+
+use touchline_core::geometry::{ImagePoint, ImageSize};
 
 /// Number of elements of a SIFT descriptor, one byte each.
 pub const DESCRIPTOR_BYTES: usize = 128;
@@ -22,14 +24,12 @@ pub struct Descriptor(pub [u8; DESCRIPTOR_BYTES]);
 impl Descriptor {
     /// Squared distance of two descriptors, each scaled to unit norm: 0 to
     /// [`MAX_SQUARED_DISTANCE`].
-    #[must_use]
     pub fn squared_distance(&self, other: &Self) -> f32 {
         self.squared_byte_distance(other) as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM)
     }
 
     /// Squared distance of two descriptors in bytes, written in a form that compilers turn into
     /// SIMD.
-    #[must_use]
     #[inline(always)]
     #[allow(
         clippy::inline_always,
@@ -45,14 +45,12 @@ impl Descriptor {
     }
 
     /// Converts OpenCV's numbers (0 to 255, whole).
-    #[must_use]
     pub fn plain(values: &[f32; DESCRIPTOR_BYTES]) -> Self {
         Self(values.map(|value| value.round().clamp(0.0, 255.0) as u8))
     }
 
     /// Converts OpenCV's numbers to `RootSIFT`: the square roots of the L1-normalised elements,
     /// scaled to [`DESCRIPTOR_NORM`] (Arandjelović and Zisserman, CVPR 2012).
-    #[must_use]
     pub fn root(values: &[f32; DESCRIPTOR_BYTES]) -> Self {
         let sum: f32 = values.iter().map(|value| value.max(0.0)).sum();
         let scale = if sum > 0.0 {
@@ -79,7 +77,6 @@ pub struct Sketch([u8; SKETCH_BYTES]);
 
 impl Sketch {
     /// The sketch of a descriptor. A group is one gradient direction in a 2 × 2 block of cells.
-    #[must_use]
     pub fn from_descriptor(descriptor: &Descriptor) -> Self {
         Self(std::array::from_fn(|at| {
             // A descriptor has 4 × 4 cells of 8 directions, index = (row · 4 + column) · 8 +
@@ -99,7 +96,6 @@ impl Sketch {
     /// Four differences with the sum d have a sum of squares of at least d² / 4 (Cauchy–Schwarz).
     /// With the difference of means m = d / 4 this is 4 m², summed over all groups. Means are
     /// rounded, so a group may appear one further apart than it is.
-    #[must_use]
     #[inline(always)]
     #[allow(
         clippy::inline_always,
@@ -118,9 +114,42 @@ impl Sketch {
     }
 
     /// The first byte.
-    #[must_use]
     pub const fn first(&self) -> u8 {
         self.0[0]
+    }
+}
+
+/// Position, size and strength of a feature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Keypoint {
+    /// Position, px of the full picture, corner convention.
+    pub point: ImagePoint,
+    /// Diameter of the patch, px of the full picture.
+    pub size_px: f32,
+    /// The detector's response; larger is stronger.
+    pub strength: f32,
+}
+
+/// The features of a picture, the strongest first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Features {
+    /// The size of the full picture, px.
+    pub image_size: ImageSize,
+    /// Positions, sizes and strengths.
+    pub keypoints: Vec<Keypoint>,
+    /// One descriptor for each keypoint.
+    pub descriptors: Vec<Descriptor>,
+}
+
+impl Features {
+    /// Number of features.
+    pub const fn len(&self) -> usize {
+        self.keypoints.len()
+    }
+
+    /// Whether the picture has no features.
+    pub const fn is_empty(&self) -> bool {
+        self.keypoints.is_empty()
     }
 }
 

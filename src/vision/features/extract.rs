@@ -1,12 +1,12 @@
 //! Extracts a picture's features, without masked areas and up to a maximum number.
 
-use super::keypoint::Features;
+#[cfg(feature = "opencv")]
+use super::burnt_in::shared_area;
+use super::descriptor::Features;
 #[cfg(feature = "opencv")]
 use super::spread::spread_unmasked;
 #[cfg(feature = "opencv")]
-use super::standing_graphic::shared_area;
-#[cfg(feature = "opencv")]
-use super::{BinaryKind, Descriptor, Detector, keypoint::Keypoint};
+use super::{BinaryKind, Descriptor, Detector, Keypoint};
 use super::{FeatureError, FeatureOptions};
 use crate::media::Picture;
 use touchline_core::geometry::PixelBox;
@@ -112,7 +112,6 @@ fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
 }
 
 /// The version of the OpenCV in use. None if the program was built without it.
-#[must_use]
 pub fn opencv_version() -> Option<String> {
     #[cfg(feature = "opencv")]
     return opencv::core::get_version_string().ok();

@@ -25,14 +25,10 @@ mod binary;
 mod black_bars;
 mod burnt_in;
 mod cache;
-mod camera_views;
 mod descriptor;
 mod displaced;
 mod edge_groups;
-mod error;
 mod extract;
-mod grid;
-mod keypoint;
 mod options;
 mod reduced;
 #[cfg(feature = "opencv")]
@@ -40,24 +36,62 @@ mod sift;
 mod spread;
 mod standing;
 mod standing_edges;
-mod standing_graphic;
 
 pub use burnt_in::burnt_in;
 pub use cache::{FeatureCache, FeatureKey};
-pub use descriptor::{DESCRIPTOR_BYTES, Descriptor};
+pub use descriptor::{DESCRIPTOR_BYTES, Descriptor, Features, Keypoint};
 pub(crate) use descriptor::{MAX_MATCH_SQUARED_DISTANCE, Sketch};
-pub use error::FeatureError;
 pub use extract::extract;
-pub(crate) use grid::{cell_in_grid, count_cells};
-pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
+pub(crate) use spread::{cell_in_grid, count_cells};
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    binary::BinaryDescriptor, binary::BinaryFeatures, binary::BinaryKind, binary::extract_binary,
-    burnt_in::BurntIn, burnt_in::BurntInGraphic, descriptor::DESCRIPTOR_NORM,
-    descriptor::MAX_SQUARED_DISTANCE, extract::opencv_version, reduced::ReducedPicture,
-    reduced::has_moved, spread::spread, standing_edges::standing_graphics,
-    standing_graphic::StaticGraphic,
+    binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary},
+    burnt_in::{BurntIn, BurntInGraphic, StaticGraphic},
+    descriptor::{DESCRIPTOR_NORM, MAX_SQUARED_DISTANCE},
+    extract::opencv_version,
+    reduced::{ReducedPicture, has_moved},
+    spread::spread,
+    standing_edges::standing_graphics,
 };
+
+#[cfg(feature = "opencv")]
+use crate::media::one_line;
+use thiserror::Error;
+#[cfg(feature = "opencv")]
+use touchline_core::geometry::ImageSize;
+
+/// Why the features of a picture could not be computed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum FeatureError {
+    /// The program was built without the feature `opencv`.
+    #[error(
+        "this touchline was built without OpenCV and finds no image features; build it with the feature `opencv`"
+    )]
+    WithoutOpenCv,
+    /// OpenCV reported an error.
+    #[error("OpenCV could not find the features of a picture of {width} × {height} px: {reason}")]
+    OpenCv {
+        /// Columns of the picture.
+        width: u32,
+        /// Rows of the picture.
+        height: u32,
+        /// OpenCV's message, on one line.
+        reason: String,
+    },
+}
+
+#[cfg(feature = "opencv")]
+impl FeatureError {
+    /// OpenCV's error in a picture of this size.
+    fn from_opencv(error: &opencv::Error, picture: ImageSize) -> Self {
+        Self::OpenCv {
+            width: picture.width,
+            height: picture.height,
+            reason: one_line(&error.to_string()),
+        }
+    }
+}

@@ -18,13 +18,11 @@ impl Detector {
     pub const ALL: [Self; 3] = [Self::Sift, Self::Orb, Self::Akaze];
 
     /// The code that files store.
-    #[must_use]
     pub const fn code(self) -> u32 {
         self as u32
     }
 
     /// The detector of a code. None if there is no such detector.
-    #[must_use]
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.get(code as usize).copied()
     }
@@ -90,7 +88,6 @@ impl FeatureOptions {
     ///
     /// A camera found by these features is to be kept only where it is certain
     /// ([`Relocalized::is_certain`](crate::relocalize::Relocalized::is_certain)).
-    #[must_use]
     pub fn coarse(&self, width_px: u32) -> Option<Self> {
         // The width is stated so that `reduction` yields twice the factor: half the width rounded
         // down would yield one more.

@@ -104,7 +104,6 @@ pub struct ReducedPicture {
 
 impl ReducedPicture {
     /// Reduces a picture by a whole factor.
-    #[must_use]
     pub fn new(picture: &Picture) -> Self {
         // A whole factor, so that every reduced pixel averages the same number of pixels.
         let size = picture.size();
@@ -146,7 +145,6 @@ impl ReducedPicture {
 
 /// Whether the camera moved between two pictures: if so, less than half of the edges are static.
 /// None for pictures of different sizes or with too few edges.
-#[must_use]
 pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
     let [upright, level] = count_edges(one, other)?;
     let all = upright.all + level.all;

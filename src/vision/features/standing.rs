@@ -7,7 +7,10 @@
 
 use super::Features;
 use super::descriptor::MAX_MATCH_SQUARED_DISTANCE;
-use super::grid::cell_in_grid;
+use super::displaced::CoarsePicture;
+use super::reduced::{EdgeKind, ReducedPicture, count_edges};
+use super::spread::cell_in_grid;
+use rayon::prelude::*;
 use std::ops::Range;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 
@@ -173,7 +176,6 @@ pub(super) fn standing_pair(
 
 /// Share of the cells of a 16 × 9 grid that contain some of the points `some`, among those that
 /// contain any of `all`, 0 to 1; 0 if there are none.
-#[must_use]
 pub fn place_share(
     some: impl IntoIterator<Item = ImagePoint>,
     all: impl IntoIterator<Item = ImagePoint>,
@@ -195,4 +197,39 @@ pub fn place_share(
     } else {
         shared as f64 / textured as f64
     }
+}
+
+/// The camera moved if less than this share of the edges of a kind, upright or level, is static. By
+/// chance it is 0.2 and 0.3. A pure pan leaves level edges in place, a pure tilt upright ones.
+const MOVED_OF_KIND: [f32; 2] = [0.36, 0.45];
+
+/// For each kind of edge, the indices of pictures such that the camera moved from each to the next.
+/// The motion must be so large that a camera which moves by only a degree or two in all has too few
+/// of them for anything to be found.
+pub(super) fn camera_views(pictures: &[ReducedPicture]) -> [Vec<usize>; 2] {
+    let coarse: Vec<CoarsePicture> = pictures.par_iter().map(CoarsePicture::new).collect();
+    EdgeKind::ALL.map(|kind| views_of_kind(kind, pictures, &coarse))
+}
+
+/// The indices of pictures such that the camera moved from each to the next, by edges of one kind.
+fn views_of_kind(
+    kind: EdgeKind,
+    pictures: &[ReducedPicture],
+    coarse: &[CoarsePicture],
+) -> Vec<usize> {
+    let mut views: Vec<usize> = Vec::new();
+    for (place, picture) in pictures.iter().enumerate() {
+        // Few static edges, and no block match that says otherwise: edges alone are unreliable
+        // while a camera pans slowly along boards. Undecided blocks (None) are no objection.
+        let is_new_view = views.last().is_none_or(|&before| {
+            count_edges(&pictures[before], picture).is_some_and(|counts| {
+                let count = &counts[kind as usize];
+                count.standing < MOVED_OF_KIND[kind as usize] * count.all
+            }) && coarse[before].is_displaced(&coarse[place], kind) != Some(false)
+        });
+        if is_new_view {
+            views.push(place);
+        }
+    }
+    views
 }

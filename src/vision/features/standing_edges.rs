@@ -6,7 +6,7 @@
 //!
 //! # Method
 //!
-//! 1. Pictures between which the camera moved are selected (`camera_views.rs`), separately for
+//! 1. Pictures between which the camera moved are selected (`standing.rs`), separately for
 //!    upright and for level edges: level edges of boards stay in place while a camera pans.
 //! 2. At every pixel the gradients of these pictures are averaged. An edge is static if the mean is
 //!    far from zero in units of its standard error (a one-sample t statistic), so that a faint edge
@@ -18,10 +18,10 @@
 //! Steps 2 to 4 are done for all pictures and for shorter windows of consecutive ones.
 
 use super::black_bars::black_bars;
-use super::camera_views::camera_views;
+use super::burnt_in::{CAP, StaticEdge, StaticGraphic};
 use super::edge_groups::{EdgeGroup, group_edges};
 use super::reduced::{EdgeKind, ReducedPicture, Slope};
-use super::standing_graphic::{CAP, StaticEdge, StaticGraphic};
+use super::standing::camera_views;
 use rayon::prelude::*;
 use std::ops::Range;
 use touchline_core::geometry::PixelBox;
@@ -74,7 +74,6 @@ const MARGIN: f64 = 1.5;
 ///
 /// Returns nothing for fewer than six pictures, for pictures of different sizes, or if the camera
 /// turned by only a degree or two in all. Black bars along the borders need only two pictures.
-#[must_use]
 pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StaticGraphic> {
     let Some(first) = pictures.first() else {
         return Vec::new();

@@ -55,7 +55,6 @@ pub fn video_file_id(path: &Path) -> Result<String, MediaError> {
 }
 
 /// The SHA-256 of bytes, in lower-case hexadecimal digits.
-#[must_use]
 pub fn sha256_of_bytes(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }

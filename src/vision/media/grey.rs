@@ -23,7 +23,6 @@ fn luma([red, green, blue, _]: [u8; 4]) -> u32 {
 /// The picture in grey, every block of `factor` × `factor` px averaged to one; columns and rows
 /// that fill no block are dropped. A corner coordinate of the full picture is `factor` times that
 /// of the reduced one.
-#[must_use]
 pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     let full = picture.size();
     if factor == 1 {
@@ -70,7 +69,6 @@ impl GreyPicture {
     /// The grey value at a point (corner convention, px of this picture), linear between the
     /// centres of the four pixels around it; points outside take the nearest pixel's. 0 for a
     /// picture without pixels.
-    #[must_use]
     pub fn at(&self, point: ImagePoint) -> f64 {
         let width = self.size.width as usize;
         let (Some(right), Some(bottom)) = (

@@ -16,14 +16,11 @@
 //!
 //! Pixel coordinates of pictures follow [`touchline_core::conventions`].
 
-mod cache;
 mod cached_reader;
 mod digest;
 mod error;
-mod folder;
 mod grey;
 mod image_file;
-mod jpeg_end;
 mod notice;
 mod picture;
 mod prefetch;
@@ -44,13 +41,11 @@ pub use video::{CountProgress, FrameClock, Video, VideoBackend, VideoInfo};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    cache::FrameCache,
-    cached_reader::{CachedReader, KEPT_BYTES},
+    cached_reader::{CachedReader, FrameCache, KEPT_BYTES},
     digest::{sha256_of_bytes, sha256_of_file, video_file_id},
-    folder::{FolderListing, list_images},
     image_file::{ImageLimits, image_size, load_image, load_image_within},
     prefetch::{PrefetchOptions, StepDirection, prefetch_plan},
-    source::FrameSource,
+    source::{FolderListing, FrameSource, list_images},
     stream::{FrameStream, StreamedFrame},
     thumbnail::{THUMBNAIL_SIZE, letterbox},
 };

@@ -37,7 +37,6 @@ impl Picture {
     }
 
     /// A picture of one colour.
-    #[must_use]
     pub fn with_colour(size: ImageSize, colour: [u8; 4]) -> Self {
         let count = size.width as usize * size.height as usize;
         Self {
@@ -47,19 +46,16 @@ impl Picture {
     }
 
     /// Columns and rows.
-    #[must_use]
     pub const fn size(&self) -> ImageSize {
         self.size
     }
 
     /// The pixels: rows from the top, four bytes each, red first.
-    #[must_use]
     pub fn rgba(&self) -> &[u8] {
         &self.rgba
     }
 
     /// The pixel in column `x` and row `y`, both from 0; none outside the picture.
-    #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 4]> {
         if x >= self.size.width || y >= self.size.height {
             return None;
@@ -82,7 +78,6 @@ impl Picture {
     }
 
     /// Memory of the pixels, bytes.
-    #[must_use]
     pub fn bytes(&self) -> usize {
         self.rgba.len()
     }

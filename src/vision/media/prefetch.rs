@@ -15,7 +15,6 @@ pub enum StepDirection {
 impl StepDirection {
     /// The direction of a step from one frame to another: unknown when it is no step to a near
     /// neighbour.
-    #[must_use]
     pub fn from_step(from: usize, to: usize) -> Self {
         const MAX_STEP: usize = 12;
         match (to.checked_sub(from), from.checked_sub(to)) {
@@ -74,7 +73,6 @@ impl PrefetchOptions {
 /// duplicates and without `current`.
 ///
 /// Empty if `current` is not among the frames.
-#[must_use]
 pub fn prefetch_plan(
     current: usize,
     count: usize,

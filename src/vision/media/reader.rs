@@ -66,7 +66,6 @@ impl Default for FrameReader {
 
 impl FrameReader {
     /// A reader with nothing open.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -74,7 +73,6 @@ impl FrameReader {
     /// A reader that reports to `counting` while it counts the frames of a video: see
     /// [`Video::open_with_progress`]. If that cancels, the video is not opened; the next read tries
     /// again.
-    #[must_use]
     pub fn with_progress(counting: Progress<'static, CountProgress>) -> Self {
         Self {
             videos: Vec::new(),

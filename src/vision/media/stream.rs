@@ -36,7 +36,6 @@ pub struct StreamedFrame {
 
 impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
     /// Streams these frames. Nothing is read yet.
-    #[must_use]
     pub fn new(frames: impl IntoIterator<IntoIter = I>) -> Self {
         let frames = frames.into_iter();
         let share = Share {

@@ -14,7 +14,6 @@ pub const THUMBNAIL_SIZE: ImageSize = ImageSize::new(160, 90);
 
 /// A picture scaled to fit into `size` and centred on black. A picture that is small enough is not
 /// enlarged.
-#[must_use]
 pub fn letterbox(picture: &Picture, size: ImageSize) -> Picture {
     // `fit_within` exceeds `size` in neither direction, so the margins are not negative; the
     // smaller half of an odd one is at the left and at the top.

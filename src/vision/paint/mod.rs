@@ -17,10 +17,10 @@
 //!
 //! * `turf`, what is ground: `surface.rs` (its colours), `ground_area.rs` (its extent),
 //!   `turf_levels.rs` (its brightness).
-//! * `ridges`, across one line: `ridge.rs` and `floor_ridge.rs` search (geometry: `across.rs`) on a
+//! * `ridges`, across one line: `ridge.rs` and `floor_ridge.rs` search (geometry: `profile.rs`) on a
 //!   profile (`profile.rs`, `colours.rs`).
 //! * `camera_alignment`, with a camera: `sightings.rs` searches across all lines. `check.rs`,
-//!   `search.rs`, `alignment.rs`, `snap.rs`, `lens.rs` and `places.rs` use that.
+//!   `alignment.rs`, `snap.rs` and `sightings.rs` use that.
 //! * `markings`, without a camera: `marking_pixels` finds markings; `evidence.rs` and
 //!   `agreement.rs` compare them with many cameras for `find.rs`; `persistent.rs` combines frames.
 //! * `click_snapping`, at a click: `point.rs` with `crossing.rs`, and `spot.rs` with
@@ -52,11 +52,11 @@ pub use turf::surface::Surface;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
+    camera_alignment::alignment::{PaintPlace, paint_places},
     camera_alignment::check::{check_lines, overlays_apart_px},
-    camera_alignment::places::{PaintPlace, paint_places},
-    click_snapping::placed_point::{PointSnapOptions, SnappedPoint},
     click_snapping::point::snap_point,
+    click_snapping::{PointSnapOptions, SnappedPoint},
     markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent},
     markings::persistent::{GroundDirections, PersistentPoint, persistent_paint},
-    ridges::contrast::LineContrast,
+    ridges::ridge::LineContrast,
 };

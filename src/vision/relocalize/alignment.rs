@@ -85,7 +85,6 @@ const ROUNDS: usize = 4;
 /// Adjusts the labels of references to each other. Returns each reference's camera and the
 /// covariance of its (pan rad, tilt rad, focal px), given the base. If a group's problem has no
 /// solution, its labels stay as they are.
-#[must_use]
 pub fn adjust_labels(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
     let pans: Vec<Angle> = references
         .iter()

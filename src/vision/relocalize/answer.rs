@@ -1,8 +1,8 @@
 //! Relocalization: from the features of a picture to its camera.
 
+use super::pose::NotFound;
 use super::{
-    CERTAIN, Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange,
-    pose_of_moving,
+    CERTAIN, Forest, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_of_moving,
 };
 use crate::features::Features;
 use std::time::{Duration, Instant};
@@ -33,7 +33,6 @@ pub struct Relocalized {
 impl Relocalized {
     /// Whether there is a camera that is certain by the evidence of its features ([`CERTAIN`]). One
     /// from coarse features is kept only then; else finer ones are extracted.
-    #[must_use]
     pub fn is_certain(&self) -> bool {
         self.pose
             .as_ref()
@@ -50,7 +49,6 @@ const BEYOND_FOCAL: f64 = 2.5;
 
 impl SeenRange {
     /// The range of cameras that may share features with the references.
-    #[must_use]
     pub fn plausible(&self) -> PtzRanges {
         // Pan is an arc of the circle, so it is expanded as one; tilt does not wrap, and a focal
         // length scales.
@@ -67,7 +65,6 @@ impl SeenRange {
 }
 
 /// The candidate rays of all features.
-#[must_use]
 pub fn candidates_of(features: &Features, forest: &Forest, options: &PredictOptions) -> RayMatches {
     let mut matches = RayMatches::with_capacity(features.len());
     forest.predict_all(&features.descriptors, options, |feature, candidates| {
@@ -78,7 +75,6 @@ pub fn candidates_of(features: &Features, forest: &Forest, options: &PredictOpti
 
 /// The camera of a picture from its features, or the reason why there is none. Features that stand
 /// still on the screen while others move are excluded.
-#[must_use]
 pub fn relocalize(
     features: &Features,
     forest: &Forest,

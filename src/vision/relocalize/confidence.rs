@@ -108,7 +108,6 @@ impl Evidence {
 
     /// The terms in which the log odds are linear: 1, and the logarithms of the expected error and
     /// of the extent.
-    #[must_use]
     pub fn terms(&self) -> [f64; Self::TERMS] {
         // The clamps keep the logarithms finite for exact or degenerate evidence: a σ of 0, or
         // inliers without extent.
@@ -121,7 +120,6 @@ impl Evidence {
 
     /// The probability that the features agree on the stadium, and not on graphics, boards or by
     /// chance.
-    #[must_use]
     pub fn agreement(&self) -> f64 {
         let log_odds: f64 = self
             .terms()
@@ -133,7 +131,6 @@ impl Evidence {
     }
 
     /// The probability that the overlay is right within 10 px at 1920 px width.
-    #[must_use]
     pub fn confidence(&self) -> f64 {
         self.confidence_if(self.agreement(), 0.0)
     }
@@ -141,7 +138,6 @@ impl Evidence {
     /// The same with a given probability that the features agree on the stadium, from other
     /// evidence such as painted lines, and with a further 1-σ of the overlay from that evidence, px
     /// at 1920 px width.
-    #[must_use]
     pub fn confidence_if(&self, agreement: f64, seen_sigma_px: f64) -> f64 {
         // The error's length has a Rayleigh distribution, P(e ≤ r) = 1 − exp(−r²/s²), where s² is
         // the expected squared length, twice the variance along one axis.

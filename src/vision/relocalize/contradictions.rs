@@ -62,7 +62,6 @@ const MOST_ALONE: usize = 16;
 const MIN_AGAINST: usize = 2;
 
 /// Pairs of references whose labels contradict each other, the greatest disagreement first.
-#[must_use]
 pub fn contradictions(
     references: &[Reference],
     options: &ContradictionOptions,
@@ -115,7 +114,6 @@ pub fn contradictions(
 /// The suspects: repeatedly the reference with the most remaining contradictions, of equals the one
 /// with the greatest disagreement. Its contradictions are removed before the next. A greedy vertex
 /// cover: without the suspects no contradiction remains.
-#[must_use]
 pub fn suspects(contradictions: &[Contradiction]) -> Vec<usize> {
     // The smallest cover is NP-hard to find, and a greedy one is found at once. The map is ordered,
     // so that equal counts give the same suspect in every run.

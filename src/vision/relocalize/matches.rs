@@ -20,13 +20,11 @@ pub struct RayMatches {
 
 impl RayMatches {
     /// No features.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
     /// No features yet, with room for this many.
-    #[must_use]
     pub fn with_capacity(features: usize) -> Self {
         Self {
             points: Vec::with_capacity(features),
@@ -66,25 +64,21 @@ impl RayMatches {
     }
 
     /// Number of features with candidates.
-    #[must_use]
     pub const fn len(&self) -> usize {
         self.points.len()
     }
 
     /// Whether no feature has a candidate.
-    #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
     /// Position of a feature, px.
-    #[must_use]
     pub fn point(&self, feature: usize) -> ImagePoint {
         self.points[feature]
     }
 
     /// The candidate rays of a feature, unit directions in `base`, the most likely first.
-    #[must_use]
     pub fn rays(&self, feature: usize) -> &[Vec3] {
         &self.rays[self.range(feature)]
     }

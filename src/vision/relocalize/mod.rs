@@ -16,27 +16,21 @@ mod labels;
 mod matches;
 mod model;
 mod nearest_references;
-mod not_found;
 mod pose;
-mod pose_options;
 mod reference_pairs;
-mod shown;
 mod standing;
 
 pub use alignment::{Label, Misfit};
 pub use answer::{RelocalizeOptions, Relocalized, relocalize};
 pub use confidence::{Evidence, FromReference};
+pub use consensus::PoseOptions;
 pub use forest::{
     Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped,
     TrainOptions, TrainProgress, train,
 };
-
-pub use model::{CameraForest, ForestModel, SeenRange};
-pub use not_found::NotFound;
-pub use pose::Pose;
-pub use pose_options::PoseOptions;
+pub use model::{CameraForest, CertainAnswerCounts, ForestModel, SeenRange};
+pub use pose::{NotFound, Pose};
 pub use reference_pairs::Reference;
-pub use shown::CertainAnswerCounts;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
@@ -45,8 +39,7 @@ pub use {
     contradictions::{Contradiction, ContradictionOptions, contradictions, suspects},
     forest::train_without,
     matches::RayMatches,
-    model::FOREST_VERSION,
+    model::{CERTAIN, FOREST_VERSION},
     pose::pose_from_candidates,
-    shown::CERTAIN,
     standing::pose_of_moving,
 };

@@ -1,10 +1,9 @@
 //! Advertising boards with readable words along the far touchline and behind both goals.
 
-use super::colour::{Light, hex, mix};
-use super::noise::{hash, sub_seed, unit};
+use super::light::{Light, hex, mix};
 use super::ray::{PlaneHit, Ray};
 use super::text::rasterise;
-use super::texture::Texture;
+use super::texture::{Texture, hash, sub_seed, unit};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 

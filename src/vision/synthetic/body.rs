@@ -1,9 +1,9 @@
 //! A person as a stick figure: a runner's pose from speed and stride.
 
-use super::colour::{Light, hex};
-use super::noise::{hash, unit};
+use super::light::{Light, hex};
 use super::play::{Person, Side};
 use super::solid::Stick;
+use super::texture::{hash, unit};
 use touchline_core::geometry::Vec3;
 
 /// What a person wears.

@@ -1,6 +1,6 @@
 //! Clicks as a careful annotator would place them on a drawn frame.
 
-use super::noise::{hash, sub_seed, unit};
+use super::texture::{hash, sub_seed, unit};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, LandmarkId, LineId};
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec2, Vec3};
@@ -43,7 +43,6 @@ const CLEAR_SIGMA_PX: f64 = 3.0;
 
 /// The clicks of one frame: landmarks in view, clear of `hidden` (players, the score graphic), the
 /// first at random and each next one far from those before; then points on lines.
-#[must_use]
 pub fn generate_clicks(
     field: &FieldModel,
     camera: &PtzCamera,

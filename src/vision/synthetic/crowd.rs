@@ -2,12 +2,11 @@
 //! draw of its own.
 
 use super::bowl::{BowlHit, Part};
-use super::colour::{Light, hex, mix, smooth_step};
 use super::coverage::inside;
-use super::noise::{hash, sub_seed, survives, unit, value_noise};
+use super::light::{Light, hex, mix, smooth_step};
 use super::options::Moment;
 use super::text::rasterise;
-use super::texture::Texture;
+use super::texture::{Texture, hash, sub_seed, survives, unit, value_noise};
 
 /// The rise from one row of seats to the next, m, and the width of a seat, m.
 const ROW_RISE_M: f32 = 0.44;

@@ -1,11 +1,11 @@
 //! The broadcaster's graphics: laid over the picture, always in the same place.
 
 use super::body::Kits;
-use super::colour::{Light, decode, encode, hex, mix};
 use super::coverage::inside;
-use super::noise::{smooth_walk, sub_seed};
+use super::light::{Light, decode, encode, hex, mix};
 use super::options::{Graphics, scale_from_1280};
 use super::text::{GlyphCoverage, rasterise};
+use super::texture::{smooth_walk, sub_seed};
 use image::RgbImage;
 use touchline_core::geometry::{ImageSize, PixelBox};
 
@@ -58,7 +58,6 @@ const TICKER_WORD_AT_1280: f64 = 190.0;
 impl Graphics {
     /// The boxes that these cover at a time since kick-off, px; a band that slides is where it
     /// comes to rest.
-    #[must_use]
     pub fn boxes(self, image_size: ImageSize, time_s: f64) -> Vec<PixelBox> {
         let all = [
             (self.score_bug, SCORE_BUG_AT_1280),

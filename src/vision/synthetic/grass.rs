@@ -2,10 +2,10 @@
 //! beyond the grass.
 
 use super::boards::{BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M};
-use super::colour::{Light, hex, mix, smooth_step};
-use super::noise::{hash, sub_seed, survives, unit, value_noise};
+use super::light::{Light, hex, mix, smooth_step};
 use super::paint::Paint;
 use super::ray::PlaneHit;
+use super::texture::{hash, sub_seed, survives, unit, value_noise};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 

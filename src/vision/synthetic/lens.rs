@@ -1,9 +1,9 @@
 //! What lens, shutter and sensor do to the light: vignetting, exposure, blur, tone, noise.
 
-use super::colour::{Light, encode};
 use super::coverage::disc;
-use super::noise::{hash, sub_seed, unit};
+use super::light::{Light, encode};
 use super::options::FrameOptions;
+use super::texture::{hash, sub_seed, unit};
 use image::RgbImage;
 use rayon::prelude::*;
 use touchline_core::camera::{Ptz, PtzCamera};

@@ -1,6 +1,5 @@
 //! Where the light comes from, and who stands in whose shadow.
 
-use super::colour::{Light, hex, smooth_step};
 use super::options::Daylight;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
@@ -133,8 +132,47 @@ impl Lighting {
             Daylight::LowSun => (hex(0xF6_E3C2), hex(0x7F_AEDD)),
             Daylight::Floodlit => (hex(0x1A_2233), hex(0x06_0A14)),
         };
-        super::colour::mix(low, high, smooth_step(0.0, 0.5, height))
+        mix(low, high, smooth_step(0.0, 0.5, height))
     }
+}
+
+/// Linear light: red, green, blue; 1 is the white of a sheet of paper in full light.
+pub(super) type Light = nalgebra::Vector3<f32>;
+
+/// The linear light of an sRGB colour written as `0xRRGGBB`.
+pub(super) fn hex(rgb: u32) -> Light {
+    let channel = |shift: u32| decode(((rgb >> shift) & 0xff) as f32 / 255.0);
+    Light::new(channel(16), channel(8), channel(0))
+}
+
+/// sRGB (0 to 1) to linear light.
+pub(super) fn decode(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// Linear light to sRGB (0 to 1), clipped.
+pub(super) fn encode(linear: f32) -> f32 {
+    let x = linear.clamp(0.0, 1.0);
+    if x <= 0.003_130_8 {
+        x * 12.92
+    } else {
+        1.055 * x.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+/// The straight mix of two lights: `a` at 0, `b` at 1.
+pub(super) fn mix(a: Light, b: Light, share: f32) -> Light {
+    a + (b - a) * share
+}
+
+/// 0 below `from`, 1 above `to`, smooth between them.
+pub(super) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
+    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 #[cfg(test)]
@@ -155,6 +193,17 @@ mod tests {
         for even in [Daylight::Hazy, Daylight::Floodlit] {
             let (one, other) = spread(even);
             assert!(one == other && (0.6..1.3).contains(&one), "{one} {other}");
+        }
+    }
+
+    #[test]
+    fn every_byte_survives_decoding_and_encoding() {
+        for byte in 0..=255u8 {
+            let again = encode(decode(f32::from(byte) / 255.0)) * 255.0;
+            assert!(
+                (again - f32::from(byte)).abs() < 0.01,
+                "{byte} came back as {again}"
+            );
         }
     }
 }

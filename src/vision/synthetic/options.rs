@@ -24,7 +24,6 @@ pub struct StadiumOptions {
 
 impl StadiumOptions {
     /// A full stadium in soft daylight around a field.
-    #[must_use]
     pub fn new(field: FieldModel, seed: u64) -> Self {
         Self {
             seed,
@@ -192,7 +191,6 @@ impl FromStr for Preset {
 
 impl Preset {
     /// The settings behind the name.
-    #[must_use]
     pub const fn shoot(self) -> ShootOptions {
         let easy = ShootOptions {
             daylight: Daylight::Hazy,
@@ -241,7 +239,6 @@ impl Preset {
 impl ShootOptions {
     /// The main camera of a stadium: on the stand by the halfway line, 66 m from the centre mark
     /// and 18 m up, with this lens, for pictures of this size.
-    #[must_use]
     pub fn main_camera(&self, image_size: ImageSize) -> CameraBase {
         let scale = scale_from_1280(image_size);
         let curve = self.distortion_at_1280;

@@ -1,9 +1,9 @@
 //! How a camera operator follows the play.
 
 use super::Stadium;
-use super::noise::{hash, smooth_walk, sub_seed, unit};
 use super::options::{CameraMotion, FrameOptions, ShootOptions, scale_from_1280};
 use super::play::Play;
+use super::texture::{hash, smooth_walk, sub_seed, unit};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{Angle, ImageSize, Vec3};
 
@@ -21,7 +21,6 @@ pub struct PathStep {
 /// The path of an operator who follows the ball of `stadium`'s match with the camera `base`:
 /// smooth, a little late, with the play in the lower middle of the picture, zooming in when the
 /// play is quiet.
-#[must_use]
 pub fn camera_path(
     stadium: &Stadium,
     base: &CameraBase,
@@ -53,7 +52,6 @@ pub fn camera_path(
 impl ShootOptions {
     /// How frame number `index` of a sequence is taken: exposure and focus vary from frame to
     /// frame, each by a draw of its own from `seed`.
-    #[must_use]
     pub fn frame(
         &self,
         index: usize,

@@ -1,6 +1,6 @@
 //! The course of a match: where the ball and the players are, as a plain function of time and seed.
 
-use super::noise::{hash, smooth_walk, sub_seed, unit};
+use super::texture::{hash, smooth_walk, sub_seed, unit};
 use touchline_core::geometry::Vec3;
 
 /// Which side a person on the pitch belongs to.

@@ -3,10 +3,10 @@
 
 use super::boards::{BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M};
 use super::body::{Kits, body, bystander};
-use super::colour::{Light, hex};
-use super::noise::{hash, sub_seed, unit};
+use super::light::{Light, hex};
 use super::play::{Play, Side};
 use super::solid::{Sheet, Stick};
+use super::texture::{hash, sub_seed, unit};
 use touchline_core::field::{Curve, FieldModel};
 use touchline_core::geometry::Vec3;
 

@@ -1,8 +1,8 @@
 //! A frame: rays for what stands still, finer at edges; then shadows, people, goals and nets; then
 //! the camera.
 
-use super::colour::Light;
 use super::lens::{Exposure, Pixel, still};
+use super::light::Light;
 use super::options::FrameOptions;
 use super::play::Side;
 use super::props::{Mover, Prop, movers};
@@ -39,7 +39,6 @@ pub struct SeenMover {
 
 impl SeenMover {
     /// The side a person belongs to; none for the ball.
-    #[must_use]
     pub const fn side(&self) -> Option<Side> {
         match self.mover {
             Mover::Person(side) => Some(side),
@@ -57,7 +56,6 @@ impl Stadium {
     /// The picture that a camera takes. The geometry is exact: every pixel is the ray of its centre
     /// (of a grid of rays at edges), through the lens model. The bytes do not depend on the number
     /// of threads.
-    #[must_use]
     pub fn render(
         &self,
         camera: &PtzCamera,

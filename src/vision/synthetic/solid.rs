@@ -1,9 +1,8 @@
 //! Rounded sticks and nets: everything that stands on the pitch is made of these, with exact
 //! geometry and smooth rims.
 
-use super::colour::Light;
 use super::coverage::{comb, inside, strip};
-use super::light::Lighting;
+use super::light::{Light, Lighting};
 use super::ray::Ray;
 use touchline_core::geometry::Vec3;
 

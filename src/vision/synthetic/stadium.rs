@@ -3,15 +3,14 @@
 use super::boards::Boards;
 use super::body::Kits;
 use super::bowl::{Bowl, BowlHit};
-use super::colour::Light;
 use super::crowd::Crowd;
 use super::grass::Ground;
-use super::light::Lighting;
-use super::noise::sub_seed;
+use super::light::{Light, Lighting};
 use super::options::{Moment, StadiumOptions};
 use super::play::Play;
 use super::props::{Prop, fixtures};
 use super::ray::{PlaneHit, Ray};
+use super::texture::sub_seed;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 
@@ -30,7 +29,6 @@ pub struct Stadium {
 }
 
 /// Builds a stadium; the same options build the same one.
-#[must_use]
 pub fn stadium(options: &StadiumOptions) -> Stadium {
     let field = &options.field;
     let kits = Kits::from_seed(sub_seed(options.seed, 0x4175));
@@ -70,13 +68,11 @@ const BOARDS: u8 = 16;
 
 impl Stadium {
     /// The options it was built from.
-    #[must_use]
     pub const fn options(&self) -> &StadiumOptions {
         &self.options
     }
 
     /// The field, as it is painted.
-    #[must_use]
     pub const fn field(&self) -> &FieldModel {
         &self.options.field
     }

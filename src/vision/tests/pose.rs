@@ -4,9 +4,8 @@
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
-use touchline_core::geometry::quantile;
 use touchline_core::geometry::rotation::{angle_between, q_pan, q_tilt};
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::{ImagePoint, ImageSize, quantile};
 use touchline_core::testing::seeded::{normal, rng};
 use touchline_core::testing::{TestBase, base_at};
 use touchline_vision::relocalize::{

@@ -1,8 +1,6 @@
 //! Cycle consistency of pairwise matches: the homography between two frames should agree with the
 //! one composed over a third frame.
 
-use super::ViewGraphEdge;
-use super::view_graph_edge::brought;
 use std::collections::BTreeMap;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 
@@ -104,4 +102,97 @@ fn apart_px(one: &Mat3, other: &Mat3, size: ImageSize) -> Option<f64> {
         .collect();
     distances.sort_by(f64::total_cmp);
     distances.get(1).copied()
+}
+
+/// The connected components of `count` frames under pairwise matches, the largest first, each
+/// ascending; a frame without a match is a component of its own.
+pub fn groups(count: usize, edges: &[ViewGraphEdge]) -> Vec<Vec<usize>> {
+    // Union–find; the root of a component is its smallest frame, so that the result does not depend
+    // on the order of the edges.
+    let mut group_of: Vec<usize> = (0..count).collect();
+    for edge in edges {
+        let (one, other) = (
+            root(&mut group_of, edge.first),
+            root(&mut group_of, edge.second),
+        );
+        group_of[one.max(other)] = one.min(other);
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for frame in 0..count {
+        let of = root(&mut group_of, frame);
+        groups[of].push(frame);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups.sort_by_key(|group| (std::cmp::Reverse(group.len()), group[0]));
+    groups
+}
+
+/// The root of a frame's component, with path halving.
+fn root(group_of: &mut [usize], mut frame: usize) -> usize {
+    while group_of[frame] != frame {
+        group_of[frame] = group_of[group_of[frame]];
+        frame = group_of[frame];
+    }
+    frame
+}
+
+/// Point correspondences of two frames of one camera, and the homography that they agree on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewGraphEdge {
+    /// The first frame, as an index into the frames that were matched.
+    pub first: usize,
+    /// The second frame, likewise.
+    pub second: usize,
+    /// The same point in the first and in the second frame, px.
+    pub matches: Vec<(ImagePoint, ImagePoint)>,
+    /// Number of inliers before the matches were subsampled.
+    pub agreeing: usize,
+    /// The homography from the first to the second frame, px.
+    pub second_from_first: Mat3,
+}
+
+/// Maps a point by a homography; `None` if it lies behind the second camera.
+pub(super) fn brought(to_from: &Mat3, at: ImagePoint) -> Option<ImagePoint> {
+    let there = to_from * Vec3::new(at.x, at.y, 1.0);
+    (there.z > 0.0).then(|| ImagePoint::new(there.x / there.z, there.y / there.z))
+}
+
+/// Zoom and image rotation, degrees, of a homography at a point. `None` if the map reverses
+/// orientation there.
+pub(super) fn zoom_and_turn(second_from_first: &Mat3, at: ImagePoint) -> Option<(f64, f64)> {
+    // The image (x, y) of the point, dehomogenised by w. A homography has no sign: w may be
+    // negative, and x, y and the Jacobian are the same for H and −H.
+    let h = second_from_first;
+    let w = h[(2, 0)] * at.x + h[(2, 1)] * at.y + h[(2, 2)];
+    let x = (h[(0, 0)] * at.x + h[(0, 1)] * at.y + h[(0, 2)]) / w;
+    let y = (h[(1, 0)] * at.x + h[(1, 1)] * at.y + h[(1, 2)]) / w;
+    // The Jacobian of the dehomogenised map (x, y) at the point.
+    let [xx, xy] = [0, 1].map(|column| (h[(0, column)] - x * h[(2, column)]) / w);
+    let [yx, yy] = [0, 1].map(|column| (h[(1, column)] - y * h[(2, column)]) / w);
+    // The zoom is the root of the change of area; the angle is that of the rotation nearest to the
+    // 2 × 2 Jacobian.
+    let area = xx * yy - xy * yx;
+    let turn = (yx - xy).atan2(xx + yy).to_degrees();
+    (area.is_finite() && area > 0.0).then(|| (area.sqrt(), turn))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::geometry::Mat3;
+
+    #[test]
+    fn frames_hang_together_over_others_and_the_largest_group_is_first() {
+        let edge = |(first, second)| ViewGraphEdge {
+            first,
+            second,
+            matches: Vec::new(),
+            agreeing: 20,
+            second_from_first: Mat3::identity(),
+        };
+        let edges: Vec<ViewGraphEdge> = [(1, 4), (0, 2), (4, 5)].map(edge).to_vec();
+        assert_eq!(groups(6, &edges), [vec![1, 4, 5], vec![0, 2], vec![3]]);
+        assert_eq!(groups(2, &[]), [vec![0], vec![1]]);
+        assert!(groups(0, &[]).is_empty());
+    }
 }

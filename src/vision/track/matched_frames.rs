@@ -1,9 +1,10 @@
 //! Joint adjustment of matched frames of a camera with a known base: a prior of each frame's pan,
 //! tilt and focal length, and the matches with its neighbours.
 
-use super::ViewGraphEdge;
-use super::pose_prior::{PosePrior, by_focal_px};
-use super::pose_problem::{AdjustedFrame, PairwiseMatches, PoseProblem, PoseState};
+use super::cycles::ViewGraphEdge;
+use super::pose_problem::{
+    AdjustedFrame, PairwiseMatches, PosePrior, PoseProblem, PoseState, by_focal_px,
+};
 use super::relative_rotations::stop_after;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz};
 use touchline_core::geometry::{ImageSize, subsample};
@@ -23,7 +24,6 @@ const LOSS_SIGMAS: [f64; 3] = [30.0, 8.0, 2.0];
 
 /// Adjusts matched frames to their matches and priors; `None` if that leaves a frame undetermined.
 /// `start` has the cameras of all frames, `base` their lens.
-#[must_use]
 pub fn adjust_matched_frames(
     base: &CameraBase,
     start: &[Ptz],
@@ -92,7 +92,6 @@ pub fn adjust_matched_frames(
 ///
 /// A frame without a known camera is placed relative to the known frame with which it has the most
 /// inliers, or else relative to the first known frame.
-#[must_use]
 pub fn fill_missing_cameras(
     known: &[Option<Ptz>],
     rotations: &[Ptz],

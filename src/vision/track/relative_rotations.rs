@@ -63,7 +63,6 @@ pub struct RelativeRotations {
 
 impl RelativeRotations {
     /// A frame's camera, at the origin of `world`, the pan axis along world z.
-    #[must_use]
     pub fn camera(&self, frame: usize) -> PtzCamera {
         let level = BaseAngles::default().base_from_world();
         let base = CameraBase {

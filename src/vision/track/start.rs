@@ -2,8 +2,8 @@
 //! graph.
 
 use super::ViewGraphEdge;
+use super::cycles::zoom_and_turn;
 use super::edge_residual::View;
-use super::view_graph_edge::zoom_and_turn;
 use touchline_core::geometry::rotation::nearest_rotation;
 use touchline_core::geometry::{ImagePoint, Mat3};
 

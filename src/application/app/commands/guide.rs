@@ -42,7 +42,6 @@ impl GuidePage {
     ];
 
     /// The title in the list of pages.
-    #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
             Self::FirstProject => "First project",

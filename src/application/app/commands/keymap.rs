@@ -130,7 +130,6 @@ pub struct Keymap {
 
 impl Keymap {
     /// The keys of a command.
-    #[must_use]
     pub fn chords(&self, command: Command) -> Vec<Chord> {
         match self.changed.get(command.id()) {
             Some(chords) => chords.clone(),
@@ -143,7 +142,6 @@ impl Keymap {
     }
 
     /// The first key of a command as text for the user; empty if it has none.
-    #[must_use]
     pub fn key_label(&self, command: Command) -> String {
         self.chords(command)
             .first()
@@ -152,7 +150,6 @@ impl Keymap {
     }
 
     /// The first key of a command for a sentence; the command's name if it has none.
-    #[must_use]
     pub fn key_or_name(&self, command: Command) -> String {
         let key = self.key_label(command);
         if key.is_empty() {
@@ -163,7 +160,6 @@ impl Keymap {
     }
 
     /// The tooltip of a control: the command's description, and its key.
-    #[must_use]
     pub fn tooltip(&self, command: Command) -> String {
         let key = self.key_label(command);
         if key.is_empty() {
@@ -174,7 +170,6 @@ impl Keymap {
     }
 
     /// A text that names the key of a command; empty if the command has none.
-    #[must_use]
     pub fn with_key(&self, command: Command, say: impl FnOnce(&str) -> String) -> String {
         let key = self.key_label(command);
         if key.is_empty() {
@@ -207,7 +202,6 @@ impl Keymap {
     }
 
     /// Whether any keys differ from the defaults.
-    #[must_use]
     pub fn is_changed(&self) -> bool {
         !self.changed.is_empty()
     }

@@ -17,7 +17,6 @@ pub struct Notice {
 
 impl Notice {
     /// Whether the message has a button for a command.
-    #[must_use]
     pub fn offers(&self, command: Command) -> bool {
         self.offers.iter().any(|(_, offered)| *offered == command)
     }
@@ -87,7 +86,6 @@ impl Messages {
 /// The message in the status row: usually the latest. A question precedes later warnings, because
 /// nothing else would bring it back. Later information precedes it, because it disappears by
 /// itself, and so do errors, which must be seen at once.
-#[must_use]
 pub fn in_row(notices: &[Notice]) -> Option<&Notice> {
     let latest = notices.last()?;
     let question = notices

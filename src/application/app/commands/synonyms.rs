@@ -3,7 +3,6 @@
 use crate::app::Command;
 
 /// Words that find a command in addition to its name; empty if there are none.
-#[must_use]
 pub const fn synonyms(command: Command) -> &'static str {
     use Command as C;
     match command {

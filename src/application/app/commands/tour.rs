@@ -33,7 +33,6 @@ impl TourStep {
     ];
 
     /// The number of the step, from 1; none after the last.
-    #[must_use]
     pub fn number(self) -> Option<usize> {
         Self::ALL
             .iter()
@@ -42,7 +41,6 @@ impl TourStep {
     }
 
     /// What to do, in a few words.
-    #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
             Self::FirstPoint => "Place a point",
@@ -55,7 +53,6 @@ impl TourStep {
     }
 
     /// How to do it.
-    #[must_use]
     pub fn text(self, keys: &Keymap) -> String {
         let key = |command| keys.key_or_name(command);
         match self {
@@ -155,7 +152,6 @@ impl Tour {
     }
 
     /// The present step.
-    #[must_use]
     pub const fn step(&self) -> TourStep {
         self.step
     }

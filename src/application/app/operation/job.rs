@@ -56,25 +56,21 @@ impl Job {
     }
 
     /// The number of the request.
-    #[must_use]
     pub const fn id(&self) -> RequestId {
         self.id
     }
 
     /// The name of the operation; also the name of its thread.
-    #[must_use]
     pub const fn name(&self) -> &'static str {
         self.name
     }
 
     /// The operation, if it is an `O`. For tests, which check what was started.
-    #[must_use]
     pub fn operation<O: Operation>(&self) -> Option<&O> {
         self.operation.downcast_ref()
     }
 
     /// Whether the application has dropped the request.
-    #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancellation.is_cancelled()
     }
@@ -85,19 +81,16 @@ impl Job {
     }
 
     /// Does the work on the calling thread. Passes progress to `send` and returns the result.
-    #[must_use]
     pub fn run(&self, decoders: &dyn Decoders, send: &(dyn Fn(Report) + Sync)) -> Report {
         (self.run)(decoders, send)
     }
 
     /// The report to return if the work panicked.
-    #[must_use]
     pub fn panic_report(&self, message: String) -> Report {
         (self.fail)(self.id, Breakdown::Panicked(message))
     }
 
     /// The report to return if the system could not start a thread.
-    #[must_use]
     pub fn not_started(&self, error: &io::Error) -> Report {
         (self.fail)(self.id, Breakdown::NotStarted(error.to_string()))
     }
@@ -138,7 +131,6 @@ pub struct Context<'a, P> {
 impl<P> Context<'_, P> {
     /// Opens a reader of the document's frames, with a decoder of its own. Opening one costs a
     /// seek, so keep it.
-    #[must_use]
     pub fn open_reader(&self) -> Box<dyn ReadFrames> {
         self.decoders.open_reader()
     }
@@ -156,7 +148,6 @@ impl<P> Context<'_, P> {
     }
 
     /// [`Self::report`] in the form that the library's functions take.
-    #[must_use]
     pub fn progress(&self) -> Progress<'_, P> {
         Progress::new(|progress| self.report(progress))
     }

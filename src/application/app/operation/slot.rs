@@ -63,19 +63,16 @@ impl<O: Operation> Running<O> {
     }
 
     /// The number of the request.
-    #[must_use]
     pub const fn id(&self) -> RequestId {
         self.id
     }
 
     /// The operation, with its inputs.
-    #[must_use]
     pub fn operation(&self) -> &O {
         &self.operation
     }
 
     /// The last reported progress; none before the first report.
-    #[must_use]
     pub const fn progress(&self) -> Option<&O::Progress> {
         self.progress.as_ref()
     }
@@ -83,13 +80,11 @@ impl<O: Operation> Running<O> {
 
 impl<O: Operation> Slot<O> {
     /// The running request, if any.
-    #[must_use]
     pub const fn running(&self) -> Option<&Running<O>> {
         self.0.as_ref()
     }
 
     /// Whether a request is running.
-    #[must_use]
     pub const fn is_running(&self) -> bool {
         self.0.is_some()
     }

@@ -2,8 +2,7 @@
 //! painted lines of their pictures. The result is shown as a proposal; using it is one step of
 //! undo.
 
-use crate::app::operation::AsItWas;
-use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::{Level, SidePanel};
 use crate::app::{App, Command};
@@ -193,13 +192,11 @@ impl BaseEstimate {
 
 impl BaseEstimateState {
     /// The running estimation.
-    #[must_use]
     pub const fn running(&self) -> Option<&Running<BaseEstimate>> {
         self.slot.running()
     }
 
     /// The result that waits for the user's decision.
-    #[must_use]
     pub const fn proposed_base(&self) -> Option<&Arc<EstimatedBase>> {
         match &self.last {
             LastEstimate::Proposed(found) => Some(found),
@@ -208,7 +205,6 @@ impl BaseEstimateState {
     }
 
     /// The result that the user accepted.
-    #[must_use]
     pub const fn applied_base(&self) -> Option<&Arc<EstimatedBase>> {
         match &self.last {
             LastEstimate::Applied(found) => Some(found),
@@ -217,7 +213,6 @@ impl BaseEstimateState {
     }
 
     /// The last result, accepted or not.
-    #[must_use]
     pub fn estimated_base(&self) -> Option<&EstimatedBase> {
         self.proposed_base()
             .or_else(|| self.applied_base())
@@ -225,7 +220,6 @@ impl BaseEstimateState {
     }
 
     /// Whether an estimation is running or a result waits for a decision.
-    #[must_use]
     pub const fn is_open(&self) -> bool {
         self.slot.is_running() || self.proposed_base().is_some()
     }
@@ -394,7 +388,6 @@ impl EstimateProgress {
     }
 
     /// The progress, such as "12 of 40 adjustments".
-    #[must_use]
     pub fn describe(self) -> String {
         match self {
             Self::Adjusting(BaseProgress { done, total }) => {
@@ -406,7 +399,6 @@ impl EstimateProgress {
     }
 
     /// The share that is done, 0 to 1; none if the total is unknown.
-    #[must_use]
     pub fn share(self) -> Option<f32> {
         match self {
             Self::Adjusting(BaseProgress { done, total }) => {
@@ -419,7 +411,6 @@ impl EstimateProgress {
 
 impl BaseEstimateState {
     /// The running estimation with its progress, for the status row.
-    #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         let running = self.slot.running()?;
         let progress = running.progress();

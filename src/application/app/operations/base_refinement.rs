@@ -5,8 +5,7 @@
 //! Only the base and the field's size are taken over, as one step of undo. Then the clip is tracked
 //! with them as usual; the points that were followed for the refinement are reused.
 
-use crate::app::operation::AsItWas;
-use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::operations::clip_tracking::{REFINED, describe_progress, share_of};
 use crate::app::window_state::session::Level;

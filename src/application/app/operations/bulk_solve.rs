@@ -83,7 +83,6 @@ impl Operation for BulkSolving {
 
 impl BulkSolveState {
     /// Whether a change is being computed.
-    #[must_use]
     pub const fn is_running(&self) -> bool {
         self.slot.is_running()
     }

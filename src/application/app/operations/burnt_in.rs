@@ -1,11 +1,10 @@
 //! Searches the pictures for burned-in graphics (score boards, logos) when a document is opened,
 //! and asks the user whether to mask them.
 
-use crate::app::Tool;
 use crate::app::effect::Effect;
 use crate::app::operation::{Context, Failure, Operation, Slot};
 use crate::app::window_state::session::{Level, SidePanel};
-use crate::app::{App, Command};
+use crate::app::{App, Command, Tool};
 use std::convert::Infallible;
 use std::path::PathBuf;
 use touchline_calibration::proposals::{
@@ -158,7 +157,6 @@ impl App {
     }
 
     /// The boxes of undecided graphics in the shown frame, while the question is shown.
-    #[must_use]
     pub fn masks_in_question(&self) -> Vec<PixelBox> {
         let Some(frame) = self
             .frame()

@@ -72,7 +72,6 @@ impl Operation for CameraWatch {
 
 impl App {
     /// The frame from which on the shown frame's camera no longer fits, if there is one.
-    #[must_use]
     pub fn camera_change(&self) -> Option<&CameraChange> {
         // While this camera is being checked, the last result may be another one's.
         let change = self.operations.camera_watch.change.as_ref()?;

@@ -56,19 +56,16 @@ pub struct ComparisonState {
 
 impl ComparisonState {
     /// Whether a comparison is running.
-    #[must_use]
     pub const fn is_running(&self) -> bool {
         self.slot.is_running()
     }
 
     /// The inputs of the running comparison.
-    #[must_use]
     pub fn running(&self) -> Option<&Comparison> {
         self.slot.running().map(Running::operation)
     }
 
     /// The result of the last comparison; none while another one is running.
-    #[must_use]
     pub const fn last_result(&self) -> Option<&Arc<ComparisonResult>> {
         self.made.as_ref()
     }

@@ -1,8 +1,7 @@
 //! Aligns the camera of the shown frame to the painted lines of its picture (*snap*), or searches
 //! it from the lines alone if the frame has none.
 
-use crate::app::operation::AsItWas;
-use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
@@ -117,7 +116,6 @@ impl Operation for FrameSnap {
 
 impl FrameSnapState {
     /// The running request.
-    #[must_use]
     pub const fn running(&self) -> Option<&Running<FrameSnap>> {
         self.slot.running()
     }
@@ -329,7 +327,6 @@ impl App {
 
     /// The shown frame's camera before its alignment, if the frame is aligned and that camera is
     /// known.
-    #[must_use]
     pub fn before_snap(&self) -> Option<&PtzCamera> {
         let frame = self.frame().filter(|frame| frame.is_snapped())?;
         self.operations.frame_snap.before.get(&frame.id)

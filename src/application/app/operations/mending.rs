@@ -1,8 +1,7 @@
 //! Mending the cameras that another program gave for the frames of a video: one step of undo, whose
 //! cameras are one batch of suggestions.
 
-use crate::app::operation::AsItWas;
-use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};

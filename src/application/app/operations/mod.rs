@@ -137,7 +137,6 @@ impl UnderWay {
 
 impl Operations {
     /// Whether an export or a dataset is being written.
-    #[must_use]
     pub fn is_export_under_way(&self) -> bool {
         self.transfer.writing().is_some()
     }
@@ -159,7 +158,6 @@ impl Operations {
     }
 
     /// Whether a base is being estimated.
-    #[must_use]
     pub const fn is_estimating_base(&self) -> bool {
         self.base_estimate.running().is_some()
     }
@@ -196,7 +194,6 @@ impl Operations {
     }
 
     /// The estimated base that waits for the user's decision.
-    #[must_use]
     pub const fn proposed_base(&self) -> Option<&Arc<EstimatedBase>> {
         self.base_estimate.proposed_base()
     }

@@ -161,7 +161,6 @@ impl App {
     }
 
     /// The labels that wait until their pictures are opened.
-    #[must_use]
     pub const fn waiting_labels(&self) -> Option<&ForeignLabels> {
         self.waiting_labels.as_ref()
     }

@@ -160,7 +160,6 @@ const fn is_of_another_picture(fault: &Fault) -> bool {
 
 impl App {
     /// How the picture of a frame differs from the one that was labelled, if that is known.
-    #[must_use]
     pub fn other_picture(&self, index: usize) -> Option<&str> {
         let frame = self.open.as_ref()?.frame(index)?;
         let state = &self.operations.picture_comparison;

@@ -58,13 +58,11 @@ pub struct ShotSearchState {
 
 impl ShotSearchState {
     /// The inputs of the running search.
-    #[must_use]
     pub fn running(&self) -> Option<&ShotSearch> {
         self.slot.running().map(Running::operation)
     }
 
     /// Its progress; zero if no search is running.
-    #[must_use]
     pub fn progress(&self) -> Share {
         self.slot
             .running()

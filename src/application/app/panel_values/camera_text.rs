@@ -24,7 +24,6 @@ impl CameraText {
     pub const ALL: [Self; 4] = [Self::Ptz, Self::KRt, Self::Homography, Self::Projection];
 
     /// The label of the button.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::Ptz => "Pan, tilt, focal",
@@ -35,7 +34,6 @@ impl CameraText {
     }
 
     /// The tooltip, with frame and unit.
-    #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
             Self::Ptz => "Copy pan and tilt in degrees and the focal length in px, as JSON.",
@@ -54,7 +52,6 @@ impl CameraText {
     }
 
     /// The text for a camera.
-    #[must_use]
     pub fn format(self, camera: &PtzCamera) -> String {
         let ptz = camera.ptz();
         // x_cam = R (x_world − C): the image of the origin is t = −R C.

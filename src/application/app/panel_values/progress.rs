@@ -8,7 +8,6 @@ use touchline_documents::document::FrameStatus;
 pub const ALL_DONE: &str = "All done: every frame is accepted or rejected.";
 
 /// The message after a frame was accepted.
-#[must_use]
 pub fn just_accepted(counts: &FrameCounts, used_for_training: bool) -> String {
     let (left, references) = (counts.to_do, counts.used_for_training);
     let plural = if references == 1 { "" } else { "s" };
@@ -26,7 +25,6 @@ pub fn just_accepted(counts: &FrameCounts, used_for_training: bool) -> String {
 
 /// Number of references that are missing until proposals become useful. Zero as soon as there are
 /// proposals.
-#[must_use]
 pub fn missing_references(counts: &FrameCounts) -> usize {
     let has_proposals = counts.count_with_status(FrameStatus::Suggested) > 0;
     if has_proposals {

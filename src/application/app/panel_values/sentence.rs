@@ -1,7 +1,6 @@
 //! Makes sentences from reasons and warnings.
 
 /// A text with a capital letter and a full stop.
-#[must_use]
 pub fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters

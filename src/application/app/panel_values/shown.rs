@@ -27,13 +27,11 @@ pub struct DisplayedValues<'a> {
 
 impl<'a> DisplayedValues<'a> {
     /// The solution from the clicks, if they determine a camera.
-    #[must_use]
     pub fn click_solution(&self) -> Option<&'a FrameSolution> {
         self.solution?.as_ref().ok()
     }
 
     /// The residual of a click; none for check clicks of a solution from clicks.
-    #[must_use]
     pub fn residual(&self, click: usize) -> Option<&'a ClickResidual> {
         let residuals = self
             .click_solution()
@@ -44,7 +42,6 @@ impl<'a> DisplayedValues<'a> {
 
 impl App {
     /// Whether an estimated base of the shown frame's camera waits for a decision.
-    #[must_use]
     pub fn decides_about_base(&self) -> bool {
         let proposed = self.operations.proposed_base();
         proposed
@@ -54,7 +51,6 @@ impl App {
 
     /// The values to show: of the estimated base if one waits, unless the user holds the key for
     /// comparison.
-    #[must_use]
     pub fn shown_values(&self) -> DisplayedValues<'_> {
         let current = self.current();
         match current

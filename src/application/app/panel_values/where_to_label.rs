@@ -6,7 +6,6 @@ use touchline_calibration::proposals::{LabelAdvice, LabelNext};
 impl App {
     /// How many frames lack an answer, and which frame to label next: the frame to which the
     /// command "Where to label next" goes. None if every frame has an answer.
-    #[must_use]
     pub fn where_to_label(&self) -> Option<String> {
         let open = self.open()?;
         where_to_label(&self.review().advice, |frame| {
@@ -17,7 +16,6 @@ impl App {
 
 /// How many frames lack an answer or have an uncertain one, and which frame to label next. None if
 /// every frame has an answer. `name` returns the name of a frame by its index.
-#[must_use]
 pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> Option<String> {
     let without = match advice.unanswered {
         0 => None,
@@ -72,7 +70,6 @@ pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> O
 }
 
 /// Degrees as text, with a minus sign at which no line breaks.
-#[must_use]
 pub fn whole_degrees(degrees: f64) -> String {
     let sign = if degrees.round() < 0.0 { "−" } else { "" };
     format!("{sign}{:.0}°", degrees.round().abs())

@@ -6,7 +6,6 @@
 pub mod derived;
 pub mod open_project;
 pub mod opened;
-mod prepared;
 pub mod review_queue;
 pub mod selection;
 pub mod versioned;

@@ -5,7 +5,7 @@
 //! users' work alone.
 
 use super::derived::{Derived, FrameCounts};
-use super::prepared::Prepared;
+use super::opened::Prepared;
 use crate::app::Versioned;
 use crate::app::effect::Snapshot;
 use std::path::PathBuf;
@@ -45,7 +45,6 @@ pub struct OpenProject {
 
 impl OpenProject {
     /// The number of the frame at a position, as the window shows it: [`Frame::number_at`].
-    #[must_use]
     pub fn frame_number(&self, position: usize) -> u64 {
         self.frame(position)
             .map_or(position as u64, |frame| frame.number_at(position))
@@ -64,7 +63,6 @@ impl OpenProject {
     }
 
     /// The lowest and highest number among the frames in the same video as the frame at `position`.
-    #[must_use]
     pub fn numbers_beside(&self, position: usize) -> (u64, u64) {
         let numbers = self
             .frame_numbers_in_video(position)
@@ -75,7 +73,6 @@ impl OpenProject {
     }
 
     /// Opens a document; `read_only` is the reason why it cannot be changed, if so.
-    #[must_use]
     pub fn new(
         document: Document,
         file: PathBuf,
@@ -87,7 +84,6 @@ impl OpenProject {
 
     /// The open document of a test.
     #[cfg(any(test, feature = "testing"))]
-    #[must_use]
     pub fn with_document(document: Document) -> Self {
         Self::new(
             document,
@@ -119,13 +115,11 @@ impl OpenProject {
     }
 
     /// The document with its folder.
-    #[must_use]
     pub fn at(&self) -> DocumentAt<'_> {
         self.document.at(&self.folder)
     }
 
     /// The frame at an index.
-    #[must_use]
     pub fn frame(&self, index: usize) -> Option<&Frame> {
         self.document.frames.get(index).map(|frame| &**frame)
     }
@@ -308,7 +302,6 @@ impl OpenProject {
     }
 
     /// The counts of frames after the last action.
-    #[must_use]
     pub const fn counts(&self) -> &FrameCounts {
         self.derived.last_counts()
     }
@@ -345,7 +338,6 @@ impl OpenProject {
     }
 
     /// The number of frames with a status.
-    #[must_use]
     pub fn count(&self, status: FrameStatus) -> usize {
         self.document
             .frames
@@ -355,7 +347,6 @@ impl OpenProject {
     }
 
     /// The nearest frame before or after `from` for which `wanted` is true. Does not wrap around.
-    #[must_use]
     pub fn find(
         &self,
         from: usize,

@@ -30,13 +30,11 @@ pub struct ReviewQueue {
 
 impl ReviewQueue {
     /// A queue at its first frame.
-    #[must_use]
     pub const fn new(frames: Vec<QueuedFrame>) -> Self {
         Self { frames, index: 0 }
     }
 
     /// The frame that is being looked at; none if the queue is empty.
-    #[must_use]
     pub fn current(&self) -> Option<&QueuedFrame> {
         self.frames.get(self.index)
     }
@@ -72,7 +70,6 @@ impl App {
 
     /// The number of the frame in the review queue, counted from 1, and of all its frames; none
     /// without a queue.
-    #[must_use]
     pub fn queue_position(&self) -> Option<(usize, usize)> {
         self.queue.as_ref().map(ReviewQueue::position)
     }

@@ -7,7 +7,6 @@ use std::collections::BTreeSet;
 
 impl Scope {
     /// The indices of the frames in the scope.
-    #[must_use]
     pub fn frames(self, open: &OpenProject, session: &Session) -> Vec<usize> {
         let Some(shown) = open.frame(session.frame) else {
             return Vec::new();
@@ -35,7 +34,6 @@ impl Scope {
 }
 
 /// The first and the last of each run of places that follow each other; the places ascend.
-#[must_use]
 pub fn runs_of(places: impl Iterator<Item = usize>) -> Vec<[usize; 2]> {
     let mut runs: Vec<[usize; 2]> = Vec::new();
     for place in places {

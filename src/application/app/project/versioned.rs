@@ -12,13 +12,11 @@ pub struct Versioned<T> {
 
 impl<T> Versioned<T> {
     /// A value at version 0.
-    #[must_use]
     pub const fn new(value: T) -> Self {
         Self { value, version: 0 }
     }
 
     /// The version. It grows whenever the value may have changed, and never decreases.
-    #[must_use]
     pub const fn version(&self) -> u64 {
         self.version
     }

@@ -26,7 +26,6 @@ impl Quantity {
     pub const ALL: [Self; 3] = [Self::Pan, Self::Tilt, Self::Focal];
 
     /// The label, with the unit.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::Pan => "Pan, degrees",
@@ -52,7 +51,6 @@ impl PointKind {
     pub const ALL: [Self; 3] = [Self::Draft, Self::Suggested, Self::Reference];
 
     /// The status with the same colour.
-    #[must_use]
     pub const fn status(self) -> FrameStatus {
         match self {
             Self::Draft => FrameStatus::Draft,
@@ -96,7 +94,6 @@ pub struct CoursePoint {
 
 impl CoursePoint {
     /// One of the values.
-    #[must_use]
     pub const fn value(&self, quantity: Quantity) -> f64 {
         self.values[quantity as usize]
     }
@@ -122,7 +119,6 @@ pub struct Course {
 impl Course {
     /// Computes the course of a camera. `found` has the disagreements of all frames of the
     /// document.
-    #[must_use]
     pub fn compute(
         document: &Document,
         found: &Disagreements,
@@ -200,7 +196,6 @@ impl Course {
     }
 
     /// The number of points of a kind.
-    #[must_use]
     pub fn count(&self, kind: PointKind) -> usize {
         self.points
             .iter()
@@ -209,7 +204,6 @@ impl Course {
     }
 
     /// The points within a span of time, including both ends.
-    #[must_use]
     pub fn within(&self, span: [f64; 2]) -> &[CoursePoint] {
         let from = self.points.partition_point(|point| point.at < span[0]);
         let upto = self.points.partition_point(|point| point.at <= span[1]);
@@ -217,7 +211,6 @@ impl Course {
     }
 
     /// The time of a frame of the document. With video time: none if the frame has no point.
-    #[must_use]
     pub fn at_of(&self, frame: usize) -> Option<f64> {
         match self.axis {
             TimeAxis::Frame => Some(frame as f64),
@@ -279,7 +272,6 @@ fn whole(timed: &[(f64, usize, &Frame)]) -> Option<[f64; 2]> {
 
 /// Magnifies a span of time by `factor`; the time `around` keeps its position. None if the result
 /// is the whole.
-#[must_use]
 pub fn zoom_span(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> Option<[f64; 2]> {
     let smallest = ((whole[1] - whole[0]) * SMALLEST_SHARE).max(1e-3);
     // `around` keeps its share of the span. It is clamped, as the pointer may be outside.
@@ -290,7 +282,6 @@ pub fn zoom_span(span: [f64; 2], whole: [f64; 2], around: f64, factor: f64) -> O
 }
 
 /// Shifts a span of time into the whole. None if it is at least as long as the whole.
-#[must_use]
 pub fn within_whole(span: [f64; 2], whole: [f64; 2]) -> Option<[f64; 2]> {
     let length = span[1] - span[0];
     // Written as a negation, so that NaN means the whole, too.
@@ -299,6 +290,69 @@ pub fn within_whole(span: [f64; 2], whole: [f64; 2]) -> Option<[f64; 2]> {
     }
     let from = span[0].clamp(whole[0], whole[1] - length);
     Some([from, from + length])
+}
+
+/// The points of a span, as they are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpanMarks<'a> {
+    /// Every point is drawn.
+    Points(&'a [CoursePoint]),
+    /// Points are combined to vertical bars, ordered by kind and column.
+    Columns(Vec<Column>),
+}
+
+/// The points of one kind that fall into one column of pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column {
+    /// The index of the column.
+    pub column: usize,
+    /// The kind.
+    pub kind: PointKind,
+    /// The smallest value.
+    pub low: f64,
+    /// The largest value.
+    pub high: f64,
+}
+
+/// Reduces the points of `span` to `columns` columns. If they are few, each is drawn; otherwise the
+/// range from the smallest to the largest value of each kind in each column, so that no outlier
+/// disappears.
+pub fn thin_points(
+    points: &[CoursePoint],
+    quantity: Quantity,
+    span: [f64; 2],
+    columns: usize,
+) -> SpanMarks<'_> {
+    // The negation also covers a span with NaN.
+    if points.len() <= columns || !(span[1] > span[0]) {
+        return SpanMarks::Points(points);
+    }
+    let per_unit = columns as f64 / (span[1] - span[0]);
+    let mut found: Vec<Column> = Vec::new();
+    // The bar that is being extended, for each kind. Points ascend in time, so a bar is complete
+    // when the column changes.
+    let mut open: [Option<Column>; PointKind::ALL.len()] = [None; PointKind::ALL.len()];
+    for point in points {
+        // The end of the span belongs to the last column.
+        let column = (((point.at - span[0]) * per_unit) as usize).min(columns - 1);
+        let value = point.value(quantity);
+        let open = &mut open[point.kind as usize];
+        match open {
+            Some(known) if known.column == column => {
+                known.low = known.low.min(value);
+                known.high = known.high.max(value);
+            }
+            _ => found.extend(open.replace(Column {
+                column,
+                kind: point.kind,
+                low: value,
+                high: value,
+            })),
+        }
+    }
+    found.extend(open.into_iter().flatten());
+    found.sort_by_key(|column| (column.kind, column.column));
+    SpanMarks::Columns(found)
 }
 
 #[cfg(test)]
@@ -415,5 +469,70 @@ mod tests {
         assert_eq!(within_whole([-5.0, 5.0], whole), Some([0.0, 10.0]));
         assert_eq!(within_whole([95.0, 105.0], whole), Some([90.0, 100.0]));
         assert_eq!(within_whole([-5.0, 105.0], whole), None);
+    }
+
+    fn points(count: usize) -> Vec<CoursePoint> {
+        let point = |frame: usize| CoursePoint {
+            frame,
+            at: frame as f64,
+            values: [(frame % 7) as f64, 0.0, 1000.0],
+            imported: None,
+            kind: if frame.is_multiple_of(10) {
+                PointKind::Reference
+            } else {
+                PointKind::Suggested
+            },
+            shot: 0,
+            apart_px: None,
+            stands_out: false,
+        };
+        (0..count).map(point).collect()
+    }
+
+    #[test]
+    fn few_points_are_drawn_as_they_are() {
+        let points = points(50);
+        assert_eq!(
+            thin_points(&points, Quantity::Pan, [0.0, 49.0], 50),
+            SpanMarks::Points(&points)
+        );
+        assert_eq!(
+            thin_points(&points, Quantity::Pan, [3.0, 3.0], 5),
+            SpanMarks::Points(&points),
+            "no time at all"
+        );
+    }
+
+    #[test]
+    fn many_points_become_columns_and_a_single_spike_stays() {
+        let mut points = points(10_000);
+        points[4321].values[0] = 170.0;
+        let SpanMarks::Columns(columns) = thin_points(&points, Quantity::Pan, [0.0, 9_999.0], 500)
+        else {
+            panic!("10,000 points on 500 columns")
+        };
+        assert!(columns.len() <= 1000, "{}", columns.len());
+        let spike: Vec<&Column> = columns
+            .iter()
+            .filter(|column| column.high == 170.0)
+            .collect();
+        assert_eq!(
+            (spike.len(), spike[0].kind, spike[0].column),
+            (1, PointKind::Suggested, 216)
+        );
+        let references = columns
+            .iter()
+            .filter(|column| column.kind == PointKind::Reference)
+            .count();
+        assert_eq!(references, 500, "each column has two");
+        assert!(
+            columns.is_sorted_by_key(|column| (column.kind, column.column)),
+            "references are drawn last"
+        );
+        assert!(
+            columns
+                .iter()
+                .all(|column| column.low >= 0.0 && column.high >= column.low)
+        );
     }
 }

@@ -71,7 +71,6 @@ pub struct Spread {
 impl ClickErrors {
     /// Computes the errors in a camera's solved frames that are not rejected. Frames are processed
     /// in parallel.
-    #[must_use]
     pub fn compute(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
         let of_frames: Vec<OfFrame> = document
             .frames
@@ -272,7 +271,6 @@ impl Histogram {
     }
 
     /// The number of errors in the fullest bin.
-    #[must_use]
     pub fn highest(&self) -> usize {
         self.bins.iter().map(|bin| bin.count).max().unwrap_or(0)
     }

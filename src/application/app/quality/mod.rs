@@ -7,13 +7,14 @@
 mod course;
 mod errors;
 mod targets;
-mod thinned;
 
 pub use crate::app::window_state::choices::{QualityChoice, TimeAxis};
-pub use course::{Course, CoursePoint, PointKind, Quantity, within_whole, zoom_span};
+pub use course::{
+    Column, Course, CoursePoint, PointKind, Quantity, SpanMarks, thin_points, within_whole,
+    zoom_span,
+};
 pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
 pub use targets::{TargetErrors, by_target};
-pub use thinned::{Column, SpanMarks, thin_points};
 
 use super::OpenProject;
 use crate::app::window_state::session::Session;
@@ -118,7 +119,6 @@ pub struct CoverageComparison {
 
 impl CoverageComparison {
     /// The coverage of a camera's frames; none if it has no base.
-    #[must_use]
     pub fn compute(document: &Document, field: &FieldModel, camera: &CameraId) -> Option<Self> {
         Some(Self {
             references: measure_with_status(document, field, camera, FrameStatus::Reference)?,

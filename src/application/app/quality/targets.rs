@@ -29,19 +29,16 @@ pub struct TargetErrors {
 
 impl TargetErrors {
     /// Ratio of the median error to the expected one.
-    #[must_use]
     pub fn excess(&self) -> f64 {
         self.median_px / self.expected_px
     }
 
     /// Whether there are enough clicks and their errors are too large.
-    #[must_use]
     pub fn is_bad(&self) -> bool {
         self.is_known() && self.excess() > BAD
     }
 
     /// Whether there are enough clicks for a statement.
-    #[must_use]
     pub const fn is_known(&self) -> bool {
         self.clicks >= MIN_CLICKS
     }
@@ -49,7 +46,6 @@ impl TargetErrors {
 
 /// All landmarks and lines that were clicked: those with enough clicks first, then by excess,
 /// largest first.
-#[must_use]
 pub fn by_target(errors: &ClickErrors) -> Vec<TargetErrors> {
     let mut clicked: BTreeMap<&Target, Vec<&ClickError>> = BTreeMap::new();
     for click in &errors.clicks {

@@ -9,21 +9,18 @@
 //! |---|---|
 //! | `row.rs` | a row, and the orders of rows |
 //! | `refresh.rs` | how the list follows the document |
-//! | `held.rs` | how it does so while it is held |
 //! | `stretch.rs` | a stretch of frames that is accepted together |
 //!
 //! Here are the list itself and what is accepted from it together.
 
-mod held;
 mod refresh;
 mod row;
 mod stretch;
 
+pub use crate::app::window_state::choices::{ReviewChoice, ReviewOrder};
 pub use row::{DISAGREES_PX, ReviewRow, disagrees, percent};
 pub(super) use stretch::{AcceptQuestion, Stretch};
 pub use stretch::{LeftFrames, LeftReason};
-
-pub use crate::app::window_state::review_choice::{ReviewChoice, ReviewOrder};
 
 use self::refresh::Source;
 use self::row::doubtful_first;
@@ -75,7 +72,6 @@ impl BulkAccept {
 
     /// The suggestions shown before the user agrees: the least certain, then samples spread over
     /// the rest up to the most certain. If all have the same confidence, samples only.
-    #[must_use]
     pub fn preview(&self) -> Vec<ReviewRow> {
         // Confidences are compared as displayed, in percent.
         let shown = |row: &ReviewRow| row.confidence.map(percent);
@@ -95,7 +91,6 @@ impl BulkAccept {
 
     /// The distribution of the number of wrong suggestions among those to be accepted, from their
     /// confidences.
-    #[must_use]
     pub fn expected_wrong(&self) -> ExpectedWrong {
         ExpectedWrong::among(self.ticked_rows().filter_map(|row| row.confidence))
     }
@@ -145,14 +140,12 @@ impl Review {
     }
 
     /// The number of suggestions that wait.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.waiting().count()
     }
 
     /// For the user's choice: the number of suggestions that would be accepted together, the number
     /// left out, and the lowest confidence among the former.
-    #[must_use]
     pub fn bulk_size(&self, choice: &ReviewChoice) -> (usize, usize, Option<f64>) {
         // Called for each drawing of the panel, hence without the vectors of `bulk`.
         let (mut taken, mut left_out, mut lowest) = (0, 0, None);
@@ -174,7 +167,6 @@ impl Review {
     }
 
     /// The suggestions that would be accepted together with the user's choice.
-    #[must_use]
     pub fn bulk(&self, choice: &ReviewChoice) -> BulkAccept {
         let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) = self
             .waiting()
@@ -195,7 +187,6 @@ impl Review {
 
     /// The frame of the next suggestion after or before a frame in the list's order, cyclically.
     /// None if there is no other.
-    #[must_use]
     pub fn next(&self, frame: usize, forward: bool) -> Option<usize> {
         // Behind the shown frame first, then from the beginning up to it. A frame that is not in
         // the list stands before its first row.

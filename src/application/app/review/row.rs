@@ -33,7 +33,6 @@ pub struct ReviewRow {
 /// Whether a suggestion disagrees with its neighbours so much that the user must look at it. The
 /// limit grows with the distance between the two neighbours, because between distant frames the
 /// camera may go anywhere.
-#[must_use]
 pub fn disagrees(found: &Disagreement) -> bool {
     found.apart_px > DISAGREES_PX.max(found.neighbours_px)
 }
@@ -52,14 +51,12 @@ impl ReviewRow {
     }
 
     /// Whether the frame disagrees with its neighbours; see [`disagrees`].
-    #[must_use]
     pub fn disagrees(&self) -> bool {
         self.disagreement.as_ref().is_some_and(disagrees)
     }
 
     /// Whether the frame's camera equals those of the frames before and after exactly, which is
     /// right only if the picture does not move.
-    #[must_use]
     pub fn is_still(&self) -> bool {
         self.disagreement
             .as_ref()
@@ -67,7 +64,6 @@ impl ReviewRow {
     }
 
     /// The distance from what the neighbours predict, px.
-    #[must_use]
     pub fn apart_px(&self) -> Option<f64> {
         self.disagreement.map(|found| found.apart_px)
     }
@@ -115,7 +111,6 @@ pub(super) fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Orde
 }
 
 /// A probability as text. At most 99.9 %, because certainty is never claimed.
-#[must_use]
 pub fn percent(probability: f64) -> String {
     let percent = 100.0 * probability;
     if percent >= 99.5 {

@@ -41,7 +41,6 @@ pub enum LeftReason {
 
 impl LeftReason {
     /// What follows the number of the frames: "2 without a camera".
-    #[must_use]
     pub const fn describe(self) -> &'static str {
         match self {
             Self::NoCamera => "without a camera",
@@ -68,14 +67,12 @@ pub struct LeftFrames {
 
 impl LeftFrames {
     /// How many are left for a reason.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.by_reason.values().map(Vec::len).sum()
     }
 
     /// One sentence: "196 on the paint, 4 left: 3 without a camera (frames 3, 9–10), 1 contradicted
     /// by the painted lines (frame 17)." `on_paint` is the number of those that are accepted.
-    #[must_use]
     pub fn describe(&self, on_paint: usize, open: &OpenProject) -> String {
         let reasons: Vec<String> = self
             .by_reason

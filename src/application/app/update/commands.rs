@@ -1,12 +1,11 @@
 //! Commands: whether each is available, and what it does.
 
 use super::App;
-use crate::app::Tool;
 use crate::app::effect::Effect;
 use crate::app::transfer::TransferTab;
 use crate::app::update::clicking::gold::IN_ROUND;
 use crate::app::window_state::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
-use crate::app::{Chord, Command, CommandKind};
+use crate::app::{Chord, Command, CommandKind, CommandNeeds, Tool};
 use touchline_documents::document::{EditKind, Frame, FrameStatus};
 
 /// Factor of one press of a zoom key.
@@ -18,81 +17,48 @@ pub const MAX_SCALE: f64 = 32.0;
 
 impl App {
     /// Why a command is not available. None if it is.
-    ///
-    /// The first arm that matches decides, so the order matters: from conditions that concern many
-    /// commands to those of single ones.
-    #[must_use]
     pub fn why_not(&self, command: Command) -> Option<&'static str> {
+        // A blind round hides the labels: only commands that keep them hidden are available.
+        if self.round().is_some() {
+            if !command.kind().is_blind() {
+                return Some(IN_ROUND);
+            }
+            if command == Command::Undo {
+                return None;
+            }
+        }
+        // The quality page covers the picture.
+        if self.session.quality.open && command.kind() == CommandKind::Picture {
+            return Some("Close the quality page first.");
+        }
+        let needs = command.needs();
+        if needs >= CommandNeeds::Document && self.open.is_none() {
+            return Some("No document is open.");
+        }
+        if needs >= CommandNeeds::Frame && self.frame().is_none() {
+            return Some("The document has no frames.");
+        }
+        if needs == CommandNeeds::Point && self.session.points.selected.is_none() {
+            return Some("No point is selected.");
+        }
+        self.why_not_now(command)
+    }
+
+    /// Why a command is not available although what it needs is there.
+    fn why_not_now(&self, command: Command) -> Option<&'static str> {
         use Command as C;
-        let no_document = self.open.is_none();
-        let no_frame = self.frame().is_none();
-        let no_selection = self.session.points.selected.is_none();
         match command {
-            // A blind round hides the labels: only commands that keep them hidden are available.
-            _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
-            C::Undo if self.round().is_some() => None,
             C::StartTour if self.session.tour.is_some() => Some("The tour is under way."),
-            C::LeaveTour => self
-                .session
-                .tour
-                .is_none()
-                .then_some("No tour is under way."),
-            // Available without a document.
+            C::LeaveTour if self.session.tour.is_none() => Some("No tour is under way."),
             C::DismissNotices if self.session.messages.notices.is_empty() => {
                 Some("There are no messages.")
             }
-            C::OpenProject
-            | C::OpenFolder
-            | C::OpenVideo
-            | C::OpenQueue
-            | C::OpenDemo
-            | C::StartTour
-            | C::DismissNotices
-            | C::Quit
-            | C::Cancel
-            | C::Palette
-            | C::Keys
-            | C::Messages
-            | C::Preferences
-            | C::Guide
-            | C::About => None,
-            C::PauseTrainer => self.no_trainer(),
-            // The quality page covers the picture.
-            _ if self.session.quality.open && command.kind() == CommandKind::Picture => {
-                Some("Close the quality page first.")
-            }
-            C::OverlayStyle | C::PictureLook => None,
-            C::ShowFeatures => self.no_trainer(),
-            // Everything below needs a document,
-            _ if no_document => Some("No document is open."),
+            C::PauseTrainer | C::ShowFeatures => self.no_trainer(),
             C::Orphans if self.session.disk.orphans.is_empty() => {
                 Some("No edits were set aside beside this document.")
             }
-            C::Save | C::Import | C::ChooseSport if self.is_read_only() => {
-                Some("The document is read-only.")
-            }
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
-            C::Orphans
-            | C::Save
-            | C::SaveAs
-            | C::Import
-            | C::Export
-            | C::ExportDataset
-            | C::Undo
-            | C::Redo
-            | C::ShowFieldMap
-            | C::ShowCurves
-            | C::CameraPanel
-            | C::TrainerPanel
-            | C::ReviewPanel
-            | C::QualityPage => None,
-            // everything below also a frame.
-            _ if no_frame => Some("The document has no frames."),
-            // Conditions of single commands.
-            C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
-                Some("No point is selected.")
-            }
             C::NameNext if self.frame().and_then(Frame::unnamed_click).is_none() => {
                 Some("Every point of this frame has a name.")
             }
@@ -138,7 +104,10 @@ impl App {
                 Some("Masks are being drawn: Esc ends that first.")
             }
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
-            C::AssignToCamera
+            C::Save
+            | C::Import
+            | C::ChooseSport
+            | C::AssignToCamera
             | C::NewCameraFromChange
             | C::ConfirmFieldSize
             | C::AddCut

@@ -4,7 +4,7 @@
 //!
 //! 1. The action itself: `actions.rs` and `commands.rs` dispatch it to the file of its subject,
 //!    which lies here or in one of the rooms `clicking`, `documents`, `reviewing`.
-//! 2. Results of operations that waited for the end of the user's change (`requests.rs`).
+//! 2. Results of operations that waited for the end of the user's change (`actions.rs`).
 //! 3. The derived values, from those that others depend on to those that depend on them.
 //! 4. What follows from the new state: the next step of the tour, operations that start without a
 //!    command, orders to the trainer, templates that must be read.
@@ -20,11 +20,8 @@ mod actions;
 mod clicking;
 mod commands;
 mod documents;
-mod guide;
 mod playing;
-mod requests;
 mod reviewing;
-mod settings;
 mod tour;
 mod trainer;
 
@@ -43,7 +40,6 @@ use touchline_documents::document::{Edit, EditKind, Frame, FrameStatus, Frames, 
 
 impl App {
     /// An application without a document.
-    #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self {
             settings,
@@ -61,31 +57,26 @@ impl App {
     }
 
     /// The open document.
-    #[must_use]
     pub const fn open(&self) -> Option<&OpenProject> {
         self.open.as_ref()
     }
 
     /// The shown frame.
-    #[must_use]
     pub fn frame(&self) -> Option<&Frame> {
         self.open.as_ref()?.frame(self.session.frame)
     }
 
     /// The values derived from the shown frame, such as its camera.
-    #[must_use]
     pub const fn current(&self) -> &Current {
         &self.current
     }
 
     /// The suggestions that wait for review.
-    #[must_use]
     pub const fn review(&self) -> &Review {
         &self.review
     }
 
     /// The values on the quality page; empty while it is closed.
-    #[must_use]
     pub const fn quality(&self) -> &Quality {
         &self.quality
     }

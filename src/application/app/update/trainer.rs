@@ -7,7 +7,6 @@ use touchline_documents::document::{Change, Edit};
 
 impl App {
     /// Why there is no trainer for the open document. None if there is one.
-    #[must_use]
     pub fn no_trainer(&self) -> Option<&'static str> {
         let Some(open) = &self.open else {
             return Some("No document is open.");

@@ -1,6 +1,6 @@
 //! The user's choices in panels and on the filmstrip, as plain values.
 
-use touchline_documents::document::CameraId;
+use touchline_documents::document::{CameraId, Frame, FrameStatus};
 
 /// How a click on the filmstrip changes the selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,6 @@ impl Scope {
     pub const ALL: [Self; 4] = [Self::Frame, Self::Selected, Self::Shot, Self::Onwards];
 
     /// The label.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::Frame => "This frame",
@@ -90,7 +89,6 @@ impl MaskScope {
     ];
 
     /// The label.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::All => "Every frame",
@@ -124,4 +122,159 @@ pub struct QualityChoice {
     pub axis: TimeAxis,
     /// The part of the time that is shown, from and to; none: all.
     pub span: Option<[f64; 2]>,
+}
+
+/// The filter of the filmstrip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// All frames.
+    #[default]
+    All,
+    /// Frames that are neither accepted nor rejected.
+    ToDo,
+    /// Frames for which the forest has no answer.
+    Unanswered,
+    /// Suggestions that the paint of their pictures does not support.
+    OffPaint,
+    /// Frames with a status.
+    Status(FrameStatus),
+}
+
+impl Filter {
+    /// All filters, in the order of the list.
+    pub const ALL: [Self; 9] = [
+        Self::All,
+        Self::ToDo,
+        Self::Status(FrameStatus::New),
+        Self::Status(FrameStatus::Draft),
+        Self::Status(FrameStatus::Suggested),
+        Self::OffPaint,
+        Self::Unanswered,
+        Self::Status(FrameStatus::Reference),
+        Self::Status(FrameStatus::Rejected),
+    ];
+
+    /// Whether the filter shows a frame.
+    pub fn shows(self, frame: &Frame) -> bool {
+        match self {
+            Self::All => true,
+            Self::ToDo => is_to_do(frame),
+            Self::Unanswered => frame.is_unanswered(),
+            Self::OffPaint => frame.is_suggested_off_paint(),
+            Self::Status(wanted) => frame.status == wanted,
+        }
+    }
+
+    /// The label.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::All => "All frames",
+            Self::ToDo => "To do",
+            Self::Unanswered => "No answer",
+            Self::OffPaint => "Suggested, not on paint",
+            Self::Status(status) => status_label(status),
+        }
+    }
+}
+
+/// Whether a frame is to do: neither accepted nor rejected. The filmstrip, the keys, all counts and
+/// all texts use this definition.
+pub const fn is_to_do(frame: &Frame) -> bool {
+    !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)
+}
+
+/// The label of a status.
+pub const fn status_label(status: FrameStatus) -> &'static str {
+    match status {
+        FrameStatus::New => "New",
+        FrameStatus::Draft => "Draft",
+        FrameStatus::Suggested => "Suggested",
+        FrameStatus::Reference => "Reference",
+        FrameStatus::Rejected => "Rejected",
+    }
+}
+
+/// The order of the list of suggestions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ReviewOrder {
+    /// Lowest confidence first.
+    #[default]
+    Confidence,
+    /// Largest disagreement with the neighbours first.
+    Disagreement,
+    /// Those first that the painted lines contradict.
+    Paint,
+    /// Those first that mending moved farthest.
+    Moved,
+    /// In the document's order.
+    Time,
+}
+
+impl ReviewOrder {
+    /// All orders, as the panel lists them.
+    pub const ALL: [Self; 5] = [
+        Self::Confidence,
+        Self::Disagreement,
+        Self::Paint,
+        Self::Moved,
+        Self::Time,
+    ];
+
+    /// The label in the panel.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Confidence => "Confidence",
+            Self::Disagreement => "Disagreement",
+            Self::Paint => "Paint",
+            Self::Moved => "Moved",
+            Self::Time => "Time",
+        }
+    }
+
+    /// The explanation in the panel.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Confidence => {
+                "Lowest confidence first: look at these. Those above a threshold can be accepted at once."
+            }
+            Self::Disagreement => {
+                "Those most out of line with the frames before and after come first."
+            }
+            Self::Paint => {
+                "Those first that the painted lines contradict, then those on which they do not \
+                 decide; among equals those that mending moved farthest."
+            }
+            Self::Moved => {
+                "Those first whose imported camera mending moved farthest, in px of the picture."
+            }
+            Self::Time => "In the order of the frames.",
+        }
+    }
+}
+
+/// The user's choices in the review panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReviewChoice {
+    /// The order of the list.
+    pub order: ReviewOrder,
+    /// Minimum confidence of suggestions that are accepted together.
+    pub threshold: f64,
+    /// Whether suggestions that disagree with their neighbours are accepted, too.
+    pub with_disagreeing: bool,
+    /// Whether the list shows one suggestion per shot.
+    pub one_per_shot: bool,
+    /// Whether the pointer is over the list; then its rows do not move.
+    pub held: bool,
+}
+
+impl Default for ReviewChoice {
+    fn default() -> Self {
+        Self {
+            order: ReviewOrder::default(),
+            threshold: 0.95,
+            with_disagreeing: false,
+            one_per_shot: false,
+            held: false,
+        }
+    }
 }

@@ -4,12 +4,8 @@
 //! and values that are derived from both are in `panel_values`.
 
 pub mod choices;
-mod dialog;
-pub mod filter;
-mod mode;
 pub mod naming;
 pub mod place;
 pub mod reclick;
-pub mod review_choice;
 pub mod session;
 pub mod video;

@@ -125,7 +125,6 @@ impl Ranking {
 }
 
 /// Every name that a click at `at` may get, best first: landmarks, or with `lines` the lines.
-#[must_use]
 pub fn candidates(scene: &NamingScene<'_>, at: ImagePoint, lines: bool) -> Vec<NameCandidate> {
     let mut found = if lines {
         line_candidates(scene, at)
@@ -141,7 +140,6 @@ pub fn candidates(scene: &NamingScene<'_>, at: ImagePoint, lines: bool) -> Vec<N
 }
 
 /// The best candidate, if it is the only plausible one and clearly better than the next.
-#[must_use]
 pub fn unambiguous(candidates: &[NameCandidate]) -> Option<&NameCandidate> {
     let best = candidates.first().filter(|best| best.plausible)?;
     let Some(next) = candidates.get(1) else {
@@ -161,7 +159,6 @@ enum TextMatch {
 
 /// The candidates whose code or label matches what was typed, the best matches first. While nothing
 /// is typed: all but names in use and hidden ones.
-#[must_use]
 pub fn filter_by_text<'a>(candidates: &'a [NameCandidate], typed: &str) -> Vec<&'a NameCandidate> {
     let typed = typed.trim().to_lowercase();
     if typed.is_empty() {

@@ -59,7 +59,6 @@ fn is_plain_number(text: &str) -> bool {
 }
 
 /// A time as text, such as "1:23.40" or "1:02:03.40".
-#[must_use]
 pub fn time_code(seconds: f64) -> String {
     // Round once, before the parts are taken: 59.999 s is "1:00.00", not "0:60.00".
     let hundredths = (100.0 * seconds.max(0.0)).round() as u64;

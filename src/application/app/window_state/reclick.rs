@@ -32,7 +32,6 @@ pub struct Reclick {
 
 impl Reclick {
     /// A round over the gold references of a document; empty if there are none.
-    #[must_use]
     pub fn from_document(document: &Document) -> Self {
         let frames = document.frames.iter().enumerate();
         let gold = frames.filter(|(_, frame)| frame.gold && frame.status == FrameStatus::Reference);
@@ -50,37 +49,31 @@ impl Reclick {
     }
 
     /// The present landmark; none at the end.
-    #[must_use]
     pub fn target(&self) -> Option<&ReclickTarget> {
         self.targets.get(self.at)
     }
 
     /// Number of landmarks in the round.
-    #[must_use]
     pub const fn len(&self) -> usize {
         self.targets.len()
     }
 
     /// Whether the round has no landmarks.
-    #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.targets.is_empty()
     }
 
     /// The number of the present landmark, from 1.
-    #[must_use]
     pub const fn number(&self) -> usize {
         self.at + 1
     }
 
     /// Number of landmarks that were clicked.
-    #[must_use]
     pub const fn clicked_count(&self) -> usize {
         self.clicked.len()
     }
 
     /// Number of landmarks that were skipped.
-    #[must_use]
     pub const fn skipped_count(&self) -> usize {
         self.at - self.clicked.len()
     }

@@ -1,12 +1,11 @@
 //! The state of the window. It is neither saved nor undone.
 
-pub use super::dialog::{Dialog, Leaving, Question, SidePanel};
-pub use super::filter::{Filter, is_to_do, status_label};
-pub use super::mode::{Mode, Naming, OFFERED};
+pub use super::choices::{Filter, is_to_do, status_label};
 pub use crate::app::commands::notice::{Level, Messages, Notice, in_row};
 
-use super::choices::QualityChoice;
-use super::review_choice::ReviewChoice;
+use super::choices::{QualityChoice, ReviewChoice, Scope};
+use super::naming::{NameCandidate, filter_by_text};
+use super::reclick::Reclick;
 use super::video::VideoState;
 use crate::app::commands::guide::GuidePage;
 use crate::app::commands::tour::Tour;
@@ -14,8 +13,10 @@ use crate::app::{Command, TrainerState};
 use crate::scene::uncertainty::UncertaintyView;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use touchline_calibration::proposals::BatchId;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{FrameId, RejectReason, Target};
+use touchline_documents::exchange::Format;
 use touchline_documents::store::Orphan;
 
 /// What the window shows and what the user is doing.
@@ -145,7 +146,6 @@ pub struct PendingAcceptance {
 }
 
 /// The label of a reason for rejection.
-#[must_use]
 pub const fn reason_label(reason: RejectReason) -> &'static str {
     match reason {
         RejectReason::CloseUp => "Close-up",
@@ -214,7 +214,6 @@ impl Session {
     }
 
     /// Whether the next point that is placed lies on a line.
-    #[must_use]
     pub fn is_next_on_line(&self) -> bool {
         self.points.next_on_line || self.picture.tool == Tool::Line
     }
@@ -236,7 +235,6 @@ impl Session {
     }
 
     /// Whether a message on display has a button for a command.
-    #[must_use]
     pub fn offers(&self, command: Command) -> bool {
         self.messages
             .notices
@@ -250,5 +248,173 @@ impl Session {
         self.messages
             .notices
             .retain(|notice| !notice.offers(command));
+    }
+}
+
+/// The content of the side panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SidePanel {
+    /// The shown frame: field map, clicks, solution, verdict.
+    #[default]
+    Frame,
+    /// The shown frame's camera.
+    Camera,
+    /// The forest: training set and accuracy.
+    Trainer,
+    /// The list of suggestions.
+    Review,
+}
+
+/// A dialog on top of the window.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Dialog {
+    /// Search for a command by typing.
+    Palette,
+    /// The list of all keys.
+    Keys,
+    /// Version, licence, citation.
+    About,
+    /// All messages of the session.
+    Messages,
+    /// Choice of the sport, and with it the field.
+    Sport,
+    /// Brightness, contrast and gamma of the picture.
+    PictureLook,
+    /// The user's settings.
+    Preferences,
+    /// The user guide.
+    Guide {
+        /// The page.
+        page: GuidePage,
+        /// The dialog from which it was opened, and to which closing it returns.
+        behind: Option<Box<Self>>,
+    },
+    /// Colour, width and opacity of the overlay.
+    OverlayStyle,
+    /// What the search for a camera without a click has found, and what comes next.
+    FoundCamera,
+    /// Acceptance of several suggestions together.
+    AcceptAll,
+    /// Question whether to discard a large batch of suggestions.
+    DiscardBatch {
+        /// The batch.
+        batch: BatchId,
+        /// The number of frames that show it.
+        frames: usize,
+    },
+    /// Input of a frame number or a time.
+    GoToPlace,
+    /// Input of a comment on the frame.
+    Comment(String),
+    /// Assignment of frames to a camera.
+    AssignToCamera(Scope),
+    /// Input of a path, if the system has no file dialog.
+    Path(Question),
+    /// Question what to do with another program's version.
+    ChangedOutside,
+    /// The list of edits that were set aside.
+    Orphans,
+    /// Exports, datasets and imports.
+    Transfer,
+    /// Question what to do with edits that exist only in memory.
+    NotSaved(Leaving),
+}
+
+/// What the user wants to do next, when the document is left.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Leaving {
+    /// Close the window.
+    Close,
+    /// Open something else.
+    Open(PathBuf),
+    /// Open the demo match.
+    OpenDemo,
+}
+
+/// A question for a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// The project or dataset to open.
+    Project,
+    /// The folder of frames to open.
+    Folder,
+    /// The video to open.
+    Video,
+    /// The review queue of a season to open.
+    Queue,
+    /// The destination of a copy of the project.
+    CopyTo,
+    /// The destination of an export in a format.
+    ExportAs(Format),
+    /// The folder for a dataset.
+    DatasetTo,
+    /// The file or folder to import, in a format.
+    ImportFrom(Format),
+    /// The document from which to take a camera.
+    CameraFrom,
+    /// Another annotator's document of the same frames.
+    CompareWith,
+}
+
+/// Maximum number of candidates listed at the cursor.
+pub const OFFERED: usize = 5;
+
+/// What the user has begun and not ended.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Mode {
+    /// Nothing.
+    #[default]
+    Idle,
+    /// The user drags a point.
+    Dragging {
+        /// The index of the click.
+        click: usize,
+        /// Whether the same press placed the point; then it has no name yet.
+        placed: bool,
+    },
+    /// A point waits for its name.
+    Naming(Naming),
+    /// The landmark was chosen first; the next click in the picture places it.
+    Placing(Target),
+    /// The user chooses the reason of a rejection.
+    Rejecting {
+        /// Whether the rejection is for every frame of the shot.
+        whole_shot: bool,
+    },
+    /// The user edits a number.
+    Editing,
+    /// The user clicks gold frames again, without seeing the first clicks.
+    ClickingAgain(Reclick),
+}
+
+/// A point that waits for its name, and the list from which the user chooses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Naming {
+    /// The index of the click.
+    pub click: usize,
+    /// All candidates, best first.
+    pub candidates: Vec<NameCandidate>,
+    /// Whether the point was named automatically and keeps that name unless the user chooses
+    /// another one.
+    pub refines: bool,
+    /// The text that the user typed to filter them.
+    pub typed: String,
+    /// Whether lines are listed in place of landmarks.
+    pub lines: bool,
+    /// The index of the highlighted candidate among those listed, by pointer or arrow keys.
+    pub highlighted: usize,
+}
+
+impl Naming {
+    /// The candidates in the list: the first [`OFFERED`] that pass the filter.
+    pub fn listed_candidates(&self) -> Vec<&NameCandidate> {
+        let mut offered = filter_by_text(&self.candidates, &self.typed);
+        offered.truncate(OFFERED);
+        offered
+    }
+
+    /// The candidate that Enter chooses.
+    pub fn chosen(&self) -> Option<&NameCandidate> {
+        self.listed_candidates().get(self.highlighted).copied()
     }
 }

@@ -7,8 +7,9 @@ use super::Runner;
 use super::task::{Kind, Outcome};
 use crate::app::session::Level;
 use crate::app::{Action, DiskReport, Opening, OrphanOrder, Snapshot, ViewAction};
+use crate::jobs::drawn_match::fresh_demo;
 use crate::jobs::opening::{Ready, open_anything};
-use crate::jobs::{JobError, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions, demo};
+use crate::jobs::{JobError, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions};
 use std::path::{Path, PathBuf};
 use touchline_core::progress::Progress;
 use touchline_documents::store::{Orphan, put_orphan_away, read_orphan, save_orphan};
@@ -30,7 +31,7 @@ impl Runner {
                 Progress::new(|text| watch.notify(Action::Disk(DiskReport::Progress(text))));
             let path = match opening {
                 Opening::Path(path) | Opening::Again(path) => path,
-                Opening::Demo => demo::fresh_copy(&progress)?,
+                Opening::Demo => fresh_demo(&progress)?,
             };
             open_anything(&path, held.as_ref(), &progress)
                 .map(|ready| Outcome::Opened(Box::new(ready)))

@@ -72,7 +72,6 @@ pub struct Runner {
 impl Runner {
     /// A runner without an open document. `wake` is called when there is something to poll.
     /// `pictures` are the decoded frames of the window, which operations and the trainer reuse.
-    #[must_use]
     pub const fn new(wake: Wake, pictures: SharedPictures) -> Self {
         Self {
             wake,
@@ -176,7 +175,6 @@ impl Runner {
     }
 
     /// Whether an operation or task is running or an opened document waits.
-    #[must_use]
     pub fn is_busy(&self) -> bool {
         !self.jobs.is_empty() || !self.tasks.is_empty() || self.ready.is_some()
     }

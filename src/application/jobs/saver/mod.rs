@@ -185,14 +185,12 @@ impl Saver {
     }
 
     /// The reports that have arrived since the last call.
-    #[must_use]
     pub fn reports(&self) -> Vec<SaverReport> {
         self.worker.mailbox().take_reports()
     }
 
     /// Writes what is left, ends the thread and returns its last reports. Blocks until the disk has
     /// answered, at most 20 s; reports a disk that has not answered by then.
-    #[must_use]
     pub fn close(mut self) -> Vec<SaverReport> {
         let (mut reports, has_ended) = self.worker.close(PATIENCE);
         if !has_ended {

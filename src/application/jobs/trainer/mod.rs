@@ -14,7 +14,7 @@
 //!
 //! | step | when | file |
 //! |---|---|---|
-//! | recall a stored forest | once, before the first training | `kept_forest.rs` |
+//! | recall a stored forest | once, before the first training | `backend.rs` |
 //! | train | the training set is new and older than [`TrainerOptions::settle`] | `backend.rs` |
 //! | show features | the user looks at the features of a frame | `backend.rs` |
 //! | query the forest near the shown frame and once per shot | no answer yet | `answer_cache.rs` |
@@ -24,7 +24,7 @@
 //! | query the forest between key frames | propagation gave no camera | `answer_cache.rs` |
 //!
 //! Added references let a running training finish; a changed or withdrawn one stops it
-//! (`watch.rs`). After each training, proposals take precedence for as long as the training took,
+//! (`mailbox.rs`). After each training, proposals take precedence for as long as the training took,
 //! at most 20 s, so that a user who accepts without a pause sees results.
 //!
 //! The work runs on threads of its own, one fewer than the machine has: the window keeps one. Work
@@ -32,12 +32,9 @@
 
 mod answer_cache;
 mod backend;
-mod given_answers;
-mod kept_forest;
 mod mailbox;
 #[cfg(test)]
 mod tests;
-mod watch;
 mod windows;
 mod work;
 
@@ -135,7 +132,6 @@ impl Trainer {
     }
 
     /// The reports that have arrived since the last call.
-    #[must_use]
     pub fn poll(&self) -> Vec<TrainerReport> {
         self.worker.mailbox().take_reports()
     }

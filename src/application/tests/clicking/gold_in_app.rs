@@ -13,9 +13,8 @@ use touchline_application::testing::{base, landmark_in, without_counts};
 use touchline_calibration::calibrate::ENOUGH_REPEATS;
 use touchline_calibration::evaluate::agreement;
 use touchline_core::geometry::{ImagePoint, Vec2};
-use touchline_core::testing::SIZE;
-use touchline_core::testing::TestBase;
 use touchline_core::testing::seeded::{normal, rng};
+use touchline_core::testing::{SIZE, TestBase};
 use touchline_documents::document::{Click, Document, FrameStatus, Target};
 use touchline_documents::testing::{match_from, new_frame};
 

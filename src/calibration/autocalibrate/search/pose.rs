@@ -2,7 +2,6 @@
 
 use super::pitch_map::{OnLine, PitchMap};
 use nalgebra::{SVector, Vector1};
-use touchline_core::field::FieldElement;
 use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 use touchline_core::markings::detectability;
@@ -115,10 +114,6 @@ impl PaintCorrespondence {
 impl Residual<1, 0, 6> for PaintCorrespondence {
     type State = PanoramaPose;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         self.sigma
     }
@@ -159,10 +154,6 @@ struct Upright(f64);
 
 impl Residual<2, 0, 6> for Upright {
     type State = PanoramaPose;
-
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
 
     fn sigma(&self) -> f64 {
         self.0

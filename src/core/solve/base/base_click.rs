@@ -3,10 +3,10 @@
 
 use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SIZES, SLOPE, Shared};
 use crate::camera::{Ptz, PtzCamera};
-use crate::field::{Crown, FieldElement};
+use crate::field::Crown;
 use crate::geometry::{Vec2, Vec3};
 use crate::solve::observations::shape::ShapeJacobian;
-use crate::solve::optimiser::residual::{Linearised, Residual};
+use crate::solve::optimiser::least_squares::{Linearised, Residual};
 use crate::solve::{Observation, ObservedShape};
 use nalgebra::SMatrix;
 
@@ -14,7 +14,7 @@ use nalgebra::SMatrix;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solve) struct BaseClick {
     /// The click, with its shape on flat ground.
-    flat: Observation,
+    pub(super) flat: Observation,
     /// The shape on flat ground if one of the fitted lengths is one metre larger; none where that
     /// length is not fitted.
     larger: [Option<ObservedShape>; SIZES],
@@ -111,10 +111,6 @@ impl BaseClick {
 impl<const SHARED: usize> Residual<2, SHARED, 3> for BaseClick {
     type State = FrameView;
 
-    fn element(&self) -> Option<FieldElement> {
-        self.flat.element
-    }
-
     fn sigma(&self) -> f64 {
         self.flat.sigma_px
     }
@@ -173,10 +169,10 @@ mod tests {
     use super::super::parameters::{OF_BASE, OF_BASE_AND_SIZE};
     use super::*;
     use crate::camera::{CameraBase, FocalCurve};
-    use crate::field::{FieldModel, builtin};
+    use crate::field::{FieldElement, FieldModel, builtin};
     use crate::geometry::ImagePoint;
-    use crate::solve::check_derivatives;
     use crate::solve::refine;
+    use crate::testing::check_derivatives;
     use crate::testing::turned_base;
     use nalgebra::SVector;
     use std::collections::BTreeMap;

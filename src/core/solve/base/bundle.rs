@@ -9,12 +9,10 @@ use super::scatter::Scatter;
 use super::shared_prior::SharedPrior;
 use crate::camera::Ptz;
 use crate::geometry::median;
-use crate::solve::Loss;
 use crate::solve::optimiser::least_squares::{
     BlockEquations, BorderedEquations, BorderedStep, Minimum, Problem, Stopping, minimise,
 };
-use crate::solve::optimiser::residual::Residual;
-use crate::solve::refine;
+use crate::solve::{Loss, refine};
 use nalgebra::SMatrix;
 
 /// A bundle adjustment with `SHARED` shared parameters.
@@ -165,7 +163,7 @@ impl<const SHARED: usize> Bundle<SHARED> {
         let BundleState { shared, ptz } = at;
         for ((clicks, ptz), block) in self.frames.iter().zip(ptz).zip(&equations.blocks) {
             let alone = clicks.iter().map(|click| {
-                let element = Residual::<2, SHARED, 3>::element(click);
+                let element = click.flat.element;
                 let own = frame_equations(shared, *ptz, std::slice::from_ref(click), self.loss);
                 (element, click.equations(), own)
             });

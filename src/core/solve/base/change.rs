@@ -68,7 +68,6 @@ pub struct BaseChange {
 
 /// Finds the frame from which on the base no longer fits, if there is one. `frames` and their
 /// cameras are in temporal order. Frames without a camera or with too few clicks are skipped.
-#[must_use]
 pub fn base_change(
     field: &FieldModel,
     frames: &[FrameClicks],
@@ -374,7 +373,7 @@ impl DisplacedBase {
             .try_inverse()
             .unwrap_or_else(variance);
         // What is kept is not exact: position and rotation change by −H⁻¹ B per unit of its error,
-        // with their information H and its coupling B (a "considered" parameter, see `held.rs`).
+        // with their information H and its coupling B (a "considered" parameter, see `adjust.rs`).
         let mut kept = self.shared.base.sigma.covariance();
         let is_kept = std::array::from_fn(|parameter| parameter >= MOVED);
         clear_fixed(&mut kept, &is_kept);

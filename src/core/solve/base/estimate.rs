@@ -2,16 +2,14 @@
 //! summarised in `summary.rs`.
 
 use super::adjust::{adjust_base, cameras_with_clicks};
-use super::cross_validation::{CrossValidation, Errors, FOLDS, MIN_FRAMES};
-use super::model_choice::choose;
+use super::cross_validation::{CrossValidation, Errors, FOLDS, MIN_FRAMES, choose};
 use super::one_more::one_more_frame;
 use super::pixel_aspect::AspectTest;
-use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::summary::{BaseEstimate, ChosenFit, distances, frame_fit, summary};
 use super::{
-    AdjustOptions, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel, FrameClicks,
-    HeldOutErrors, LensModel, ModelReason, Prescribed,
+    AdjustOptions, Adjustments, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel,
+    FrameClicks, HeldOutErrors, LensModel, ModelReason, Prescribed,
 };
 use crate::camera::{CameraBase, Ptz};
 use crate::field::FieldModel;
@@ -61,7 +59,6 @@ impl BaseOptions {
     }
 
     /// The model with the most free parameters among the allowed ones.
-    #[must_use]
     pub fn richest(&self, clicks: &CameraClicks<'_>) -> BaseModel {
         let centre = self.free_centre(clicks.principal_point, clicks.frames.len());
         models(clicks.field, centre, self)
@@ -276,7 +273,6 @@ fn test_pixels(
 /// The errors of frames under a base that is not adjusted to them, at paint and at clicks. Each
 /// camera is refined on one half of its clicks and paint and evaluated on the other. `crown_m` is
 /// the crown that belongs to the base.
-#[must_use]
 pub fn cross_validated_errors(
     painted: &CameraClicks<'_>,
     base: &CameraBase,

@@ -62,13 +62,11 @@ impl SizeParam {
     /// Whether observations that leave a length this uncertain (1-σ, m) do not determine it: they
     /// have not halved the uncertainty of the rules. A share and not a number of metres, because the
     /// rules leave a soccer pitch 30 m and a rink 3 m.
-    #[must_use]
     pub fn is_open_at(&self, sigma_m: f64) -> bool {
         sigma_m > OPEN_SHARE * self.sigma_m
     }
 
     /// The length where no frame shows it.
-    #[must_use]
     pub fn unseen(&self) -> FittedSize {
         FittedSize {
             name: self.name.clone(),
@@ -96,7 +94,6 @@ impl FittedSize {
 
     /// The position that belongs to another value of the length, by the regression of the one on the
     /// other: where one end alone is seen, the camera stays with that end.
-    #[must_use]
     pub fn position_shift_m(&self, value_m: f64) -> Vec3 {
         self.position_sigma_m * ((value_m - self.value_m) / self.sigma_m)
     }
@@ -134,7 +131,6 @@ const ENOUGH_M: f64 = 0.005;
 /// Fits the field's size. `sized` builds the field (with the crown of `start`) for values of the
 /// parameters in their order. None where there are no parameters or more than two, or where the
 /// clicks do not determine the system.
-#[must_use]
 pub fn fit_field_size(
     sized: &dyn Fn(&[f64]) -> Option<FieldModel>,
     params: &[SizeParam],

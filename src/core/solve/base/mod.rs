@@ -22,7 +22,7 @@
 //! 3. **Priors** (`shared_prior.rs`). Heads are levelled along and across the direction in which
 //!    they see the field; k₁ follows the focal length as measured on twenty broadcast lenses; the
 //!    principal point lies within ±40 px of the middle at 1920 px width.
-//! 4. **Model choice** (`cross_validation.rs`, `model_choice.rs`). Four lens models, each on a
+//! 4. **Model choice** (`cross_validation.rs`, `model.rs`). Four lens models, each on a
 //!    level and a crowned pitch, are compared by five-fold cross-validation: frames are held out,
 //!    each is refined on one half of its clicks and evaluated on the other. A richer model has to
 //!    be better by 0.5 %. Fewer than six frames keep the usual lens and pitch unless their clicks
@@ -37,7 +37,7 @@
 //! that cancel in a picture still cancel:
 //!
 //! * landmarks are displaced equally in all frames (`scatter.rs`: a random effect per landmark);
-//! * lens, crown and principal point that a model fixes are uncertain by their priors (`held.rs`);
+//! * lens, crown and principal point that a model fixes are uncertain by their priors (`adjust.rs`);
 //! * errors that frames have in common and no model describes show when groups of frames are held
 //!   out (the jackknife of `cross_validation.rs`).
 //!
@@ -60,13 +60,10 @@ mod cross_validation;
 mod disputes;
 mod estimate;
 mod field_fit;
-mod held;
 mod model;
-mod model_choice;
 mod one_more;
 pub(super) mod parameters;
 mod pixel_aspect;
-mod progress;
 mod scatter;
 mod shared_place;
 pub(super) mod shared_prior;
@@ -74,15 +71,13 @@ mod start;
 mod summary;
 
 pub use adjust::{AdjustOptions, BasePriors};
-pub use cross_validation::{HeldOutErrors, ModelScore};
+pub use cross_validation::{HeldOutErrors, ModelReason, ModelScore};
 pub use disputes::{DisputedClick, MirroredFrame};
 pub use estimate::{BaseOptions, estimate_base};
 pub use field_fit::FittedSize;
 pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
-pub use model_choice::ModelReason;
 pub use one_more::{BesideFrames, OneMoreFrame};
 pub use pixel_aspect::PixelAspect;
-pub use progress::BaseProgress;
 pub use shared_place::SharedPlace;
 pub use summary::{BaseEstimate, FrameFit};
 // For the crates above alone: no promise to other programs.
@@ -101,6 +96,9 @@ use super::Observation;
 use crate::camera::{Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, pluralise};
+use crate::progress::Progress;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
 /// The clicks of one frame of the camera whose base is sought.
@@ -121,7 +119,6 @@ impl FrameClicks {
     }
 
     /// The number of equations of the clicks used.
-    #[must_use]
     pub fn equations(&self) -> usize {
         self.used_clicks().map(Observation::equations).sum()
     }
@@ -145,7 +142,6 @@ pub struct CameraClicks<'a> {
 
 impl<'a> CameraClicks<'a> {
     /// The clicks of a camera whose principal point is the middle of the picture.
-    #[must_use]
     pub fn with_centred_principal_point(
         field: &'a FieldModel,
         frames: &'a [FrameClicks],
@@ -212,4 +208,44 @@ pub enum BaseError {
         /// 1-σ of the position in its worst direction, m.
         sigma_m: f64,
     },
+}
+
+/// The progress of an estimation, in adjustments of the base: one for each model and each held-out
+/// group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BaseProgress {
+    /// Adjustments made.
+    pub done: usize,
+    /// Adjustments in all.
+    pub total: usize,
+}
+
+/// Counts the adjustments of one estimation.
+struct Adjustments<'a> {
+    progress: &'a Progress<'a, BaseProgress>,
+    total: usize,
+    done: AtomicUsize,
+}
+
+impl<'a> Adjustments<'a> {
+    pub fn new(progress: &'a Progress<'_, BaseProgress>, total: usize) -> Self {
+        Self {
+            progress,
+            total,
+            done: AtomicUsize::new(0),
+        }
+    }
+
+    /// Counts one more. A break cancels the estimation.
+    pub fn count(&self) -> ControlFlow<()> {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.progress.report(BaseProgress {
+            done,
+            total: self.total,
+        })
+    }
+
+    pub fn are_cancelled(&self) -> bool {
+        self.progress.is_cancelled()
+    }
 }

@@ -44,7 +44,6 @@ pub enum CrownModel {
 
 impl CrownModel {
     /// The height of the crown, m; none where it is estimated.
-    #[must_use]
     pub const fn fixed_height_m(self) -> Option<f64> {
         match self {
             Self::Fixed(crown_m) => Some(crown_m),

@@ -54,7 +54,6 @@ pub struct PixelAspect {
 
 impl PixelAspect {
     /// The deviation from square pixels in sigmas.
-    #[must_use]
     pub fn sigmas(&self) -> f64 {
         self.value.ln().abs() * self.value / self.sigma
     }

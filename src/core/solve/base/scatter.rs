@@ -24,7 +24,6 @@ use nalgebra::{Matrix2, SMatrix, Vector2};
 const USUAL_DISPLACEMENT: f64 = 0.06 / 68.0;
 
 /// The usual displacement of landmarks and lines on a field of this width, m.
-#[must_use]
 pub fn usual_displacement_m(width_m: f64) -> f64 {
     USUAL_DISPLACEMENT * width_m
 }

@@ -83,7 +83,6 @@ pub struct SharedPlace {
 
 impl SharedPlace {
     /// Whether a position lies within the scatter of the members' positions.
-    #[must_use]
     pub fn contains(&self, position_m: Vec3) -> bool {
         is_within(position_m, self.base.position_m, self.scatter_m)
     }
@@ -104,7 +103,6 @@ impl fmt::Display for SharedPlace {
 
 /// The places that cameras share, the one with the most cameras first. Empty if no
 /// three positions lie near each other.
-#[must_use]
 pub fn shared_places(cameras: &[PtzCamera]) -> Vec<SharedPlace> {
     let fewest = MIN_CAMERAS.max((LEAST_SHARE * cameras.len() as f64).ceil() as usize);
     let mut open: Vec<usize> = (0..cameras.len()).collect();

@@ -2,10 +2,9 @@
 
 use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SLOPE, Shared};
 use crate::camera::CameraBase;
-use crate::field::FieldElement;
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use crate::solve::Loss;
-use crate::solve::optimiser::residual::{Linearised, Residual};
+use crate::solve::optimiser::least_squares::{Linearised, Residual};
 use nalgebra::{SMatrix, SVector};
 
 /// A Gaussian prior of one number.
@@ -132,10 +131,6 @@ fn rotation_vector_by_turn(vector: Vec3) -> Mat3 {
 impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
     type State = Shared;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         self.sigma
     }
@@ -189,7 +184,7 @@ mod tests {
     use crate::camera::FocalCurve;
     use crate::field::Crown;
     use crate::geometry::rotation::from_rotation_vector;
-    use crate::solve::check_derivatives;
+    use crate::testing::check_derivatives;
     use crate::testing::turned_base;
 
     #[test]

@@ -69,7 +69,6 @@ impl BaseEstimate {
     /// A notice for the user if all frames look the same way, because they then determine the
     /// position less well than their number suggests. None if the views differ, or for a single
     /// frame.
-    #[must_use]
     pub fn one_view(&self) -> Option<String> {
         /// Frames whose pan and focal length differ by less than this are one view, degrees and log
         /// f.

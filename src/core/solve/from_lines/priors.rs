@@ -7,12 +7,12 @@
 //! them.
 
 use crate::camera::Ptz;
-use crate::field::{FieldElement, FieldModel};
+use crate::field::FieldModel;
 use crate::geometry::{Angle, ImageSize, Vec3};
 use crate::solve::Loss;
 use crate::solve::base::BasePriors;
 use crate::solve::base::parameters::{OF_BASE, Shared};
-use crate::solve::optimiser::residual::{Linearised, Residual};
+use crate::solve::optimiser::least_squares::{Linearised, Residual};
 use nalgebra::{SMatrix, SVector};
 
 /// Priors of the camera of one picture.
@@ -102,10 +102,6 @@ impl PlacePrior {
 impl Residual<3, OF_BASE, 3> for PlacePrior {
     type State = Shared;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         1.0
     }
@@ -149,10 +145,6 @@ impl FocalPrior {
 impl Residual<1, OF_BASE, 3> for FocalPrior {
     type State = Ptz;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         self.sigma_log
     }
@@ -164,11 +156,7 @@ impl Residual<1, OF_BASE, 3> for FocalPrior {
     fn linearise(&self, at: &Ptz) -> Option<Linearised<1, OF_BASE, 3>> {
         let mut by_own = SMatrix::zeros();
         by_own[2] = 1.0;
-        Some(Linearised {
-            value: self.value(at)?,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(self.value(at)?, by_own))
     }
 
     fn loss(&self, _: Loss) -> Loss {
@@ -180,9 +168,9 @@ impl Residual<1, OF_BASE, 3> for FocalPrior {
 mod tests {
     use super::*;
     use crate::solve::base::parameters::Shared;
-    use crate::solve::check_derivatives;
     use crate::solve::fixtures::base;
     use crate::solve::refine;
+    use crate::testing::check_derivatives;
     use crate::testing::soccer;
 
     #[test]

@@ -93,7 +93,6 @@ impl CameraFromLines {
     /// 1-σ of the distance of a drawn point from the overlay of its line or landmark, px: by the
     /// camera, by the line's place on this field, and by the scatter of drawing. None where it has
     /// no image.
-    #[must_use]
     pub fn distance_sigma_px(&self, field: &FieldModel, observation: &Observation) -> Option<f64> {
         let camera = self.camera();
         let here = observation.shape.jacobian(&camera, observation.image)?;

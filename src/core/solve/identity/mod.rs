@@ -76,7 +76,6 @@ const MIRRORS_FIT_UPTO: usize = 4;
 /// `observations` are those that were solved, made from `field`; clicks without an element get no
 /// other name. A frame of many clicks that fit, with a camera that is usual under the motion prior,
 /// returns at once.
-#[must_use]
 pub fn check_identity(
     base: &CameraBase,
     field: &FieldModel,

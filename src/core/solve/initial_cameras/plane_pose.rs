@@ -7,12 +7,12 @@
 //! This closed form does not minimise the reprojection errors: a homography has eight degrees of
 //! freedom, such a camera seven. [`PlanePose::refine`] minimises them.
 
-use crate::field::FieldElement;
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, skew};
 use crate::geometry::{HomographyError, ImagePoint, Mat3, Vec2, Vec3, homography};
 use crate::solve::Loss;
-use crate::solve::optimiser::least_squares::{BlockEquations, Problem, Stopping, minimise};
-use crate::solve::optimiser::residual::{Linearised, Residual};
+use crate::solve::optimiser::least_squares::{
+    BlockEquations, Linearised, Problem, Residual, Stopping, minimise,
+};
 use nalgebra::{Matrix2x3, SMatrix, SVector, Vector2};
 use thiserror::Error;
 
@@ -91,10 +91,6 @@ impl GroundCorrespondence {
 impl Residual<2, 0, 7> for GroundCorrespondence {
     type State = PlanePose;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         1.0
     }
@@ -120,11 +116,7 @@ impl Residual<2, 0, 7> for GroundCorrespondence {
             .fixed_columns_mut::<3>(3)
             .copy_from(&(by_seen * -pose.cam_from_world));
         by_own.set_column(6, &at);
-        Some(Linearised {
-            value: at - self.offset_px,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(at - self.offset_px, by_own))
     }
 }
 
@@ -216,7 +208,7 @@ mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase, PtzCamera};
     use crate::geometry::rotation::angle_between;
-    use crate::solve::check_derivatives;
+    use crate::testing::check_derivatives;
     use crate::testing::{TestBase, base_at};
 
     fn leaning() -> PtzCamera {

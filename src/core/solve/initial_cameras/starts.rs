@@ -16,8 +16,7 @@
 use super::focal_sweep::{
     LandmarkClick, RankedStart, log_spaced_focals, rank, sweep_landmark, sweep_line,
 };
-use super::line_pairs;
-use super::line_pairs::{few_per_line, find_pairs};
+use super::line_pairs::{self, few_per_line, find_pairs};
 use super::two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, scan_two_points,
     solve_two_points,

@@ -7,5 +7,4 @@ pub mod drawn_line;
 mod line;
 pub mod observation;
 pub mod shape;
-pub mod shared_columns;
 pub mod world_curve;

@@ -3,9 +3,8 @@
 use crate::camera::PtzCamera;
 use crate::field::{FieldElement, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
-use crate::solve::optimiser::residual::{Linearised, Residual};
+use crate::solve::optimiser::least_squares::{Linearised, Residual};
 use crate::solve::{ObservationError, ObservedShape};
-use nalgebra::SMatrix;
 
 /// One click, ready for solving: the pixel, its 1-σ, and the landmark or line that it shows with
 /// its shape in `world`.
@@ -28,7 +27,6 @@ pub struct Observation {
 
 impl Observation {
     /// A pixel that shows a point of `world`, m, which is no landmark of a field.
-    #[must_use]
     pub const fn from_point(at: Vec3, image: ImagePoint, sigma_px: f64, click: usize) -> Self {
         Self {
             image,
@@ -85,7 +83,6 @@ impl Observation {
 
     /// A pixel at which the middle of a line's paint was measured; `place` is its index. None if
     /// the field has no such line.
-    #[must_use]
     pub fn from_paint(
         field: &FieldModel,
         line: usize,
@@ -98,14 +95,12 @@ impl Observation {
     }
 
     /// Whether it is a measurement of paint, not a click.
-    #[must_use]
     pub const fn is_paint(&self) -> bool {
         matches!(self.element, Some(FieldElement::Paint(_)))
     }
 
     /// The same click under another name, or on another size of its field; its noise stays. None if
     /// the field has no such element.
-    #[must_use]
     pub fn with_element(self, field: &FieldModel, element: FieldElement) -> Option<Self> {
         Some(Self {
             element: Some(element),
@@ -133,13 +128,11 @@ impl Observation {
     }
 
     /// How many equations it gives.
-    #[must_use]
     pub const fn equations(&self) -> usize {
         self.shape.equations()
     }
 
     /// Its distance from the image of its shape, px; none where that has no image.
-    #[must_use]
     pub fn distance_px(&self, camera: &PtzCamera) -> Option<f64> {
         self.shape
             .residual_px(camera, self.image)
@@ -153,7 +146,6 @@ impl Observation {
     }
 
     /// Its distance from the image of its shape, in its own 1-σ; infinite where there is no image.
-    #[must_use]
     pub fn distance_sigmas(&self, camera: &PtzCamera) -> f64 {
         self.distance_px(camera)
             .map_or(f64::INFINITY, |px| px / self.sigma_px)
@@ -173,10 +165,6 @@ pub(in crate::solve) fn landmark_observations(
 impl Residual<2, 0, 3> for Observation {
     type State = PtzCamera;
 
-    fn element(&self) -> Option<FieldElement> {
-        self.element
-    }
-
     #[inline]
     fn sigma(&self) -> f64 {
         self.sigma_px
@@ -192,10 +180,6 @@ impl Residual<2, 0, 3> for Observation {
         // The third parameter of a fit is log f: d/d(log f) = f d/df.
         let (value, mut by_own) = self.shape.residual_by_ptz(camera, self.image)?;
         by_own.column_mut(2).scale_mut(camera.ptz().focal_px);
-        Some(Linearised {
-            value,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(value, by_own))
     }
 }

@@ -5,7 +5,6 @@
 //! equations, a curve one; both give a residual of the same type.
 
 use super::line::nearest_point;
-use super::shared_columns::by_shared;
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::field::{Crown, FieldElement, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
@@ -49,7 +48,6 @@ pub struct ShapeJacobian {
 
 impl ShapeJacobian {
     /// By all parameters that the frames share, in the order of the shared columns.
-    #[must_use]
     pub fn by_shared(&self, camera: &PtzCamera) -> SMatrix<f64, 2, SHARED_COLUMNS> {
         by_shared(
             camera,
@@ -64,7 +62,6 @@ impl ShapeJacobian {
 
 impl ObservedShape {
     /// The shape of a field's landmark, line or paint; none if the field has no such element.
-    #[must_use]
     pub fn from_element(field: &FieldModel, element: FieldElement) -> Option<Self> {
         match element {
             FieldElement::Landmark(index) => field
@@ -83,7 +80,6 @@ impl ObservedShape {
     }
 
     /// How many equations a click on it gives.
-    #[must_use]
     pub const fn equations(&self) -> usize {
         match self {
             Self::Point(_) => 2,
@@ -92,7 +88,6 @@ impl ObservedShape {
     }
 
     /// The point, m, `world`; none for a curve.
-    #[must_use]
     pub const fn point(&self) -> Option<Vec3> {
         match self {
             Self::Point(at) => Some(*at),
@@ -101,7 +96,6 @@ impl ObservedShape {
     }
 
     /// Whether its coordinates are finite.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         let at = match self {
             Self::Point(at) => *at,
@@ -112,7 +106,6 @@ impl ObservedShape {
 
     /// The offset (px) to a click from the image of the point, or from the nearest point of the
     /// curve's image; none where it has no image.
-    #[must_use]
     pub fn offset_px(&self, camera: &PtzCamera, click: ImagePoint) -> Option<Vec2> {
         match self {
             Self::Point(at) => camera
@@ -145,7 +138,6 @@ impl ObservedShape {
     /// The residual and its derivatives by pan (px/rad), tilt (px/rad) and focal length (px/px):
     /// the part of [`Self::jacobian`] that a fit with a known base needs.
     #[inline]
-    #[must_use]
     pub fn residual_by_ptz(
         &self,
         camera: &PtzCamera,
@@ -170,7 +162,6 @@ impl ObservedShape {
     }
 
     /// The residual of a click with all its derivatives; none where the shape has no image.
-    #[must_use]
     pub fn jacobian(&self, camera: &PtzCamera, click: ImagePoint) -> Option<ShapeJacobian> {
         // For a curve, `by_image` projects image derivatives onto the unit normal. That the nearest
         // point slides along the curve as the camera changes has no first-order effect on the
@@ -238,10 +229,46 @@ impl ObservedShape {
     }
 
     /// A point where a symmetry of the field puts it; none for a curve.
-    #[must_use]
     pub(in crate::solve) fn mirror_point(&self, symmetry: Symmetry) -> Option<Self> {
         self.point().map(|at| Self::Point(symmetry.apply(at)))
     }
+}
+
+/// The derivatives of a projected point by all shared parameters, in the order of
+/// [`crate::camera::BaseSigma::root`], from its derivatives by the base's pose, by k₁, by the world
+/// point and by a shift of the picture.
+pub(in crate::solve) fn by_shared(
+    camera: &PtzCamera,
+    by_pose: &SMatrix<f64, 2, 6>,
+    by_k1: Vec2,
+    by_world: &Matrix2x3<f64>,
+    by_image: &Matrix2<f64>,
+    point_in_world: Vec3,
+) -> SMatrix<f64, 2, SHARED_COLUMNS> {
+    let base = camera.base();
+    let mut by = SMatrix::<f64, 2, SHARED_COLUMNS>::zeros();
+    by.fixed_columns_mut::<6>(0).copy_from(by_pose);
+    // The other columns would be multiplied by a σ of zero.
+    if base.sigma.is_of_pose_alone() {
+        return by;
+    }
+    // k₁ = value + slope (f − f₀) / 1000.
+    let kilo_px = (camera.ptz().focal_px - base.distortion.at_focal_px) / 1000.0;
+    by.set_column(6, &by_k1);
+    by.set_column(7, &(by_k1 * kilo_px));
+    if base.sigma.crown_m > 0.0 {
+        // A higher crown lowers the ground beside the middle.
+        let crown = Crown {
+            height_m: 0.0,
+            width_m: base.sigma.crown_width_m,
+        };
+        by.set_column(
+            8,
+            &(by_world.column(2) * -crown.drop_share(point_in_world.y)),
+        );
+    }
+    by.fixed_columns_mut::<2>(9).copy_from(by_image);
+    by
 }
 
 #[cfg(test)]

@@ -21,7 +21,6 @@ pub(crate) struct CurvePoint {
 
 impl WorldCurve {
     /// A nominal curve of a field.
-    #[must_use]
     pub const fn on_field(field: &FieldModel, nominal: Curve) -> Self {
         Self {
             nominal,
@@ -30,7 +29,6 @@ impl WorldCurve {
     }
 
     /// A curve on flat ground.
-    #[must_use]
     pub const fn flat(nominal: Curve) -> Self {
         Self {
             nominal,
@@ -39,7 +37,6 @@ impl WorldCurve {
     }
 
     /// The nominal curve.
-    #[must_use]
     pub const fn nominal(&self) -> &Curve {
         &self.nominal
     }

@@ -17,7 +17,6 @@ pub struct DenseEquations {
 
 impl DenseEquations {
     /// No residual yet.
-    #[must_use]
     pub fn zero(parameters: usize) -> Self {
         let (matrix, gradient) = (
             DMatrix::zeros(parameters, parameters),
@@ -51,7 +50,6 @@ impl DenseEquations {
     }
 
     /// The covariance of all parameters; none where a combination of them is not determined.
-    #[must_use]
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         /// A parameter is undetermined if its information, given the parameters before it, is less
         /// than this fraction of its information by itself.

@@ -33,7 +33,6 @@ impl Default for Loss {
 impl Loss {
     /// The loss of z², and its derivative by z², which is the weight in iteratively reweighted
     /// least squares.
-    #[must_use]
     pub fn evaluate(self, z_squared: f64) -> (f64, f64) {
         match self {
             Self::Squared => (z_squared, 1.0),

@@ -3,8 +3,5 @@
 //! The check of Jacobians for their tests is here, too. No start is chosen here.
 
 pub mod dense;
-pub mod derivatives;
-pub mod graduated;
 pub mod least_squares;
 pub mod loss;
-pub mod residual;

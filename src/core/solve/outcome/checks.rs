@@ -4,7 +4,7 @@ use super::covariance::{OverlayPoint, corners};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Vec2, thousands};
 use crate::solve::observations::observation::landmark_observations;
-use crate::solve::priors::context::SAME_FIT;
+use crate::solve::priors::prior::SAME_FIT;
 use crate::solve::{
     CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning, WarningCode,
 };

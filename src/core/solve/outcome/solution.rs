@@ -32,7 +32,6 @@ pub struct ClickResidual {
 
 impl ClickResidual {
     /// The reprojection error of a click under a camera.
-    #[must_use]
     pub fn from_observation(camera: &PtzCamera, observation: &Observation) -> Self {
         let offset_px = observation.shape.offset_px(camera, observation.image);
         Self {
@@ -43,7 +42,6 @@ impl ClickResidual {
     }
 
     /// The distance, px.
-    #[must_use]
     pub fn distance_px(&self) -> Option<f64> {
         self.offset_px.map(|offset| offset.norm())
     }
@@ -109,20 +107,17 @@ pub struct FrameSolution {
 impl FrameSolution {
     /// Whether the residuals are evidence for the solution: more than two clicks, and more
     /// equations than unknowns. For two clicks alone show "no evidence" instead of a small number.
-    #[must_use]
     pub fn residuals_are_evidence(&self) -> bool {
         self.redundancy > 0 && self.residuals.len() > 2
     }
 
     /// How many times larger than expected the residuals are (root of χ² over its expectation);
     /// none without surplus equations.
-    #[must_use]
     pub fn misfit(&self) -> Option<f64> {
         (self.redundancy > 0).then(|| (self.chi_squared / self.expected_chi_squared).sqrt())
     }
 
     /// The largest reprojection error of a click that was used, px; 0 where none has an image.
-    #[must_use]
     pub fn farthest_px(&self) -> f64 {
         self.residuals
             .iter()
@@ -132,13 +127,11 @@ impl FrameSolution {
 
     /// [`Self::worst_corner_sigma_px`] as documents state it, which cannot express that it is
     /// infinite: none then.
-    #[must_use]
     pub fn corner_sigma_px_if_known(&self) -> Option<f64> {
         Some(self.worst_corner_sigma_px).filter(|sigma_px| sigma_px.is_finite())
     }
 
     /// The 1-σ at the worst corner in words.
-    #[must_use]
     pub fn describe_corner(&self) -> String {
         self.corner_sigma_px_if_known().map_or_else(
             || "unknown".to_owned(),
@@ -147,13 +140,11 @@ impl FrameSolution {
     }
 
     /// 1-σ of the pan.
-    #[must_use]
     pub fn sigma_pan(&self) -> Angle {
         Angle::from_degrees(self.covariance[(0, 0)].sqrt())
     }
 
     /// 1-σ of the tilt.
-    #[must_use]
     pub fn sigma_tilt(&self) -> Angle {
         Angle::from_degrees(self.covariance[(1, 1)].sqrt())
     }
@@ -168,7 +159,6 @@ impl FrameSolution {
     }
 
     /// The clicks that the others, or the camera, contradict, in order.
-    #[must_use]
     pub fn disputed_clicks(&self) -> Vec<usize> {
         let mut clicks: Vec<usize> = self
             .warnings
@@ -202,7 +192,6 @@ impl FrameSolution {
     }
 
     /// 1-σ of the focal length, px.
-    #[must_use]
     pub fn sigma_focal_px(&self) -> f64 {
         self.covariance[(2, 2)].sqrt()
     }

@@ -54,7 +54,6 @@ impl Judgement {
 
 /// The verdict on a solved frame, by its check clicks, its names, the contradiction among its
 /// clicks, its warnings and its worst corner, in this order.
-#[must_use]
 pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
     let corner = solution.corner_sigma_px_if_known().map_or_else(
         || "the lens shows no corner of the picture: check its distortion".to_owned(),

@@ -6,8 +6,9 @@
 //! reveals them.
 
 use crate::camera::Ptz;
-use crate::geometry::Angle;
-use crate::solve::{PtzRanges, Warning, WarningCode};
+use crate::geometry::{Angle, AngleRange, ImageSize};
+use crate::solve::{Warning, WarningCode};
+use std::ops::RangeInclusive;
 
 /// The usual ranges and motion of a camera.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,7 +52,6 @@ impl PtzStep {
     };
 
     /// The absolute change from one camera to another.
-    #[must_use]
     pub fn between(from: &Ptz, to: &Ptz) -> Self {
         Self {
             pan: to.pan.turn_from(from.pan).abs(),
@@ -92,7 +92,6 @@ impl MotionPrior {
     /// The cost of a camera under this prior in units of χ²: 0 within the usual limits, 25 at twice
     /// a limit, 50 at most. `slack` is the uncertainty of the camera due to click noise; the limits
     /// are extended by it.
-    #[must_use]
     pub fn surprise(&self, ptz: &Ptz, slack: &PtzStep) -> f64 {
         // The larger of both counts, not their sum, because both may describe the same deviation.
         let odd = [self.jump(ptz, slack), self.elsewhere(ptz, slack)];
@@ -225,6 +224,37 @@ fn distance_from_range(at: f64, [from, upto]: [f64; 2]) -> f64 {
 fn largest(all: impl Iterator<Item = Odd>) -> Option<Odd> {
     all.filter(|odd| odd.excess > 0.0)
         .max_by(|a, b| a.excess.total_cmp(&b.excess))
+}
+
+/// The plausible range of pan, tilt and focal length of a camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PtzRanges {
+    /// Pan.
+    pub pan: AngleRange,
+    /// Tilt.
+    pub tilt: RangeInclusive<Angle>,
+    /// Focal length, px of the frame.
+    pub focal_px: RangeInclusive<f64>,
+}
+
+impl PtzRanges {
+    /// Any pan, tilt from straight down to 20° up, fields of view from 1.5° of the 16:9 picture that
+    /// a frame is cut from to 90° along its own longer side.
+    pub fn for_size(size: ImageSize) -> Self {
+        let longer_px = f64::from(size.width.max(size.height));
+        Self {
+            pan: AngleRange::FULL,
+            tilt: Angle::from_degrees(-90.0)..=Angle::from_degrees(20.0),
+            focal_px: 0.5 * longer_px..=40.0 * size.reference_width_px(),
+        }
+    }
+
+    /// Whether pan, tilt and focal length are all within.
+    pub fn contains(&self, ptz: &Ptz) -> bool {
+        self.pan.contains(ptz.pan)
+            && self.tilt.contains(&ptz.tilt)
+            && self.focal_px.contains(&ptz.focal_px)
+    }
 }
 
 #[cfg(test)]

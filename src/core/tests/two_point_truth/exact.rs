@@ -9,8 +9,7 @@ use touchline_core::geometry::{Angle, AngleRange, ImagePoint};
 use touchline_core::solve::{
     Observation, SolveContext, SolveError, WarningCode, solve_frame, solve_two_points,
 };
-use touchline_core::testing::seeded;
-use touchline_core::testing::{TestBase, base_at};
+use touchline_core::testing::{TestBase, base_at, seeded};
 
 /// Over 100,000 random cameras and pairs of pixels the truth comes back to 1e-9 rad and 1e-6 px.
 /// The only other answer is the refusal of clicks less than 2 px apart.

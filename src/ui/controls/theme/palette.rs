@@ -122,7 +122,6 @@ pub const ON_PICTURE: &Palette = &DARK;
 
 impl Palette {
     /// The colours of a theme.
-    #[must_use]
     pub const fn from_theme(theme: Theme) -> &'static Self {
         match theme {
             Theme::Dark => &DARK,
@@ -131,7 +130,6 @@ impl Palette {
     }
 
     /// The colour of a status. Show the status's letter with it.
-    #[must_use]
     pub const fn status(&self, status: FrameStatus) -> Color32 {
         match status {
             FrameStatus::New => self.new,
@@ -143,7 +141,6 @@ impl Palette {
     }
 
     /// The colour of a verdict. Show the verdict's word with it.
-    #[must_use]
     pub const fn verdict(&self, verdict: Verdict) -> Color32 {
         match verdict {
             Verdict::Good => self.good,

@@ -7,10 +7,9 @@
 mod pick;
 
 use crate::ui::Panel;
-use crate::ui::drawing::canvas;
-use crate::ui::drawing::labels;
 use crate::ui::drawing::labels::{PlateStyle, plate, text_width};
 use crate::ui::drawing::placement::Placement;
+use crate::ui::drawing::{canvas, labels};
 use crate::ui::picture::viewport::Gesture;
 use crate::ui::rows::menu;
 use egui::{
@@ -18,10 +17,8 @@ use egui::{
     RichText, Role, Sense, Shape, Stroke, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
-use touchline_application::app::App;
-use touchline_application::app::Command;
 use touchline_application::app::session::{Mode, PictureView};
-use touchline_application::app::{Action, EditAction};
+use touchline_application::app::{App, Command, EditAction};
 use touchline_application::render::Layer;
 use touchline_application::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
@@ -130,7 +127,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
         );
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         if response.clicked() {
-            panel.actions.push(Action::Edit(EditAction::Pick(target)));
+            panel.edit(EditAction::Pick(target));
         }
     }
 }

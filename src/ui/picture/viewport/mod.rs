@@ -3,7 +3,7 @@
 //! A frame of the window has two steps. [`read`] makes actions of the pointer before anything is
 //! drawn, so that the overlay follows a dragged point without a delay of one frame. [`show`] then
 //! draws, from back to front: picture, uncertainty, field and clicks (`scene.rs`), names
-//! (`labels.rs`), proposed landmarks (`trust.rs`), image features (`features.rs`), texts
+//! (`labels.rs`), proposed landmarks (`trust.rs`), texts
 //! (`hints.rs`), masks, the loupe, and the list of names for a new click (`naming.rs`). In a blind
 //! round `blind.rs` draws in its place.
 //!
@@ -11,16 +11,17 @@
 //! between them.
 
 mod blind;
-mod features;
 mod hints;
 mod pointer;
 mod scene;
 mod trust;
 mod wheel;
 
+pub use wheel::Gesture;
+
 use super::{loupe, masks, naming};
 use crate::ui::controls::theme;
-use crate::ui::drawing::overlay::Overlay;
+use crate::ui::drawing::canvas::Overlay;
 use crate::ui::drawing::placement::Placement;
 use crate::ui::drawing::{canvas, labels};
 use crate::ui::rows::tools;
@@ -28,12 +29,10 @@ use crate::ui::{Panel, PictureState};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{DragTarget, Pointer, Surroundings};
 use touchline_application::app::session::Mode;
-use touchline_application::app::{Action, App, Tool, ViewAction};
+use touchline_application::app::{App, Tool, ViewAction};
 use touchline_application::render::{Layer, PictureKey, PictureLayer};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_vision::media;
-
-pub use wheel::Gesture;
 
 /// Waiting time after which the previous picture is dimmed and a spinner appears, s. A shorter wait
 /// would only flicker.
@@ -178,9 +177,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     );
     // Zoom commands need the scale at which the whole picture fits. The layout alone knows it.
     if panel.app.session.picture.fit_scale != placement.fit_scale {
-        panel
-            .actions
-            .push(Action::View(ViewAction::FitScale(placement.fit_scale)));
+        panel.view(ViewAction::FitScale(placement.fit_scale));
     }
     match shown_picture(panel, expected) {
         Ok((key, picture)) => {
@@ -297,7 +294,7 @@ fn show_frame(
     // What egui draws over it.
     labels::paint(&painter, placement, overlay.labels());
     trust::propose(panel, ui, &painter, placement);
-    features::show(panel.app, &painter, placement);
+    scene::show_features(panel.app, &painter, placement);
     hints::over_picture(panel, ui, placement);
     trust::legend(panel, &painter, placement);
     cursor(panel, ui, placement, hold);

@@ -2,15 +2,14 @@
 
 use super::item::{BAR, CAPTION};
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::pictures::WHOLE;
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui,
     WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::Navigation;
 use touchline_application::app::selection::Selecting;
-use touchline_application::app::{Action, Navigation};
 
 /// Offset between the sheets of the stack, points.
 const SHEET: f32 = 3.0;
@@ -104,6 +103,6 @@ pub fn show(
         } else {
             Navigation::GoTo(middle)
         };
-        panel.actions.push(Action::Navigate(navigation));
+        panel.navigate(navigation);
     }
 }

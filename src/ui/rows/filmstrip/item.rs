@@ -1,13 +1,11 @@
 //! One frame of the filmstrip: thumbnail, status and marks.
 
-use super::super::menu;
-use super::super::menu::file_name;
+use super::super::menu::{self, file_name};
 use super::strip::SHOT_GAP;
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{symbol, theme};
 use crate::ui::drawing::pictures::WHOLE;
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, RectAlign, Response, Role, Sense, Stroke,
@@ -17,7 +15,7 @@ use touchline_application::app::review::percent;
 use touchline_application::app::selection::Selecting;
 use touchline_application::app::session::{reason_label, status_label};
 use touchline_application::app::{
-    Action, Command, LineCheckSummary, Navigation, OpenProject, ViewAction, sentence,
+    Command, LineCheckSummary, Navigation, OpenProject, ViewAction, sentence,
 };
 use touchline_documents::document::{Frame, FrameStatus, Solution};
 
@@ -89,9 +87,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
         };
         if let Some(how) = how {
             let select = Navigation::SelectFrame { frame: index, how };
-            panel.actions.push(Action::Navigate(select));
+            panel.navigate(select);
         } else {
-            panel.actions.push(Action::View(ViewAction::SelectNoFrames));
+            panel.view(ViewAction::SelectNoFrames);
             panel.go_to(index);
         }
     }

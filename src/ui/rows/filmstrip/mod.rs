@@ -9,8 +9,8 @@ use crate::ui::Panel;
 use crate::ui::controls::theme::Themed as _;
 use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
 use strip::{Strip, StripCell};
+use touchline_application::app::ViewAction;
 use touchline_application::app::session::Filter;
-use touchline_application::app::{Action, ViewAction};
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::FrameStatus;
 
@@ -61,9 +61,7 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
                         .color(ui.palette().weak),
                 );
                 if ui.add(row).clicked() {
-                    panel
-                        .actions
-                        .push(Action::View(ViewAction::SetFilter(filter)));
+                    panel.view(ViewAction::SetFilter(filter));
                     ui.close();
                 }
             }

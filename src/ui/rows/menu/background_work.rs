@@ -64,7 +64,7 @@ pub(super) fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
             .on_hover_text(format!("Stop opening.{key}"))
             .clicked()
         {
-            panel.actions.push(Action::Command(Command::Cancel));
+            panel.run(Command::Cancel);
         }
     }
     trainer(panel, ui);
@@ -93,7 +93,7 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
         file_name(&search.video)
     );
     if says.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::Command(Command::StopShotSearch));
+        panel.run(Command::StopShotSearch);
     }
 }
 
@@ -120,6 +120,6 @@ pub(super) fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
         format!(" Trainer panel: {key}.")
     });
     if says.on_hover_text(format!("{tip}{key}")).clicked() {
-        panel.actions.push(Action::Command(Command::TrainerPanel));
+        panel.run(Command::TrainerPanel);
     }
 }

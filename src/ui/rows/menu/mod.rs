@@ -165,7 +165,7 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
         None => response,
     };
     if response.clicked() {
-        panel.actions.push(Action::Command(command));
+        panel.run(command);
         ui.close();
     }
 }

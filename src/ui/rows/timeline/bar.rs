@@ -3,8 +3,7 @@
 
 use super::super::menu;
 use crate::ui::Panel;
-use crate::ui::controls::theme;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{
     Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     Ui, WidgetInfo, pos2, vec2,
@@ -157,10 +156,10 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
             .open()
             .and_then(|open| Some(open.frame(over)?.video.as_ref()?.frame_index));
         if let Some(to) = number.filter(|_| over != cut.position) {
-            panel.actions.push(Action::Edit(EditAction::MoveCut {
+            panel.edit(EditAction::MoveCut {
                 cut: cut.frame_index,
                 to,
-            }));
+            });
         }
         return None;
     }
@@ -198,7 +197,7 @@ fn go_or_select(panel: &mut Panel<'_>, ui: &Ui, over: usize) {
     let session = &panel.app.session;
     let (is_other, any_selected) = (over != session.frame, !session.frames_selected.is_empty());
     if any_selected {
-        panel.actions.push(Action::View(ViewAction::SelectNoFrames));
+        panel.view(ViewAction::SelectNoFrames);
     }
     if is_other {
         panel.actions.extend([

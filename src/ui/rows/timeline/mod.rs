@@ -2,18 +2,19 @@
 //! bar.
 
 mod bar;
-mod playback;
 
 use crate::ui::Panel;
-use crate::ui::controls::symbol;
 use crate::ui::controls::symbol::Symbol;
-use crate::ui::controls::theme;
 use crate::ui::controls::theme::Themed as _;
-use egui::{Align, Button, ComboBox, Layout, RichText, Ui, vec2};
+use crate::ui::controls::{symbol, theme};
+use egui::{Align, Button, ComboBox, Context, Id, Layout, RichText, Ui, vec2};
+use std::collections::BTreeSet;
+use std::time::Duration;
 use touchline_application::app::place::time_code;
-use touchline_application::app::playing::SPEEDS;
+use touchline_application::app::playing::{PlayClock, SPEEDS};
+use touchline_application::app::session::Mode;
 use touchline_application::app::video::PlaySpeed;
-use touchline_application::app::{Action, App, Command, ViewAction};
+use touchline_application::app::{App, Command, ViewAction};
 
 /// Height of the timeline, points.
 pub const HEIGHT: f32 = 36.0;
@@ -25,7 +26,7 @@ pub fn is_wanted(app: &App) -> bool {
 
 /// Shows the timeline, and advances the video while it plays.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    playback::go_on(panel, ui.ctx());
+    go_on(panel, ui.ctx());
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = 2.0 * theme::SPACE;
         controls(panel, ui);
@@ -54,9 +55,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show_ui(ui, |ui| {
             for speed in SPEEDS {
                 if ui.selectable_label(speed == chosen, label(speed)).clicked() {
-                    panel
-                        .actions
-                        .push(Action::View(ViewAction::SetSpeed(PlaySpeed(speed))));
+                    panel.view(ViewAction::SetSpeed(PlaySpeed(speed)));
                 }
             }
         });
@@ -86,6 +85,46 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.label(format!("The time, and the number of the frame: from {first} to {last}, as in the document.\n{keys}"));
     });
     if place.clicked() {
-        panel.actions.push(Action::Command(Command::GoToPlace));
+        panel.run(Command::GoToPlace);
     }
+}
+
+/// Interval at which a frame that is not decoded yet is looked for again.
+const LOOK_AGAIN: Duration = Duration::from_millis(20);
+
+/// Shows the frame that is due, if the video plays.
+pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
+    let memory = Id::unique("play clock");
+    let (session, now_s) = (&panel.app.session, ctx.input(|input| input.time));
+    let Some(open) = panel.app.open().filter(|_| session.video.playing) else {
+        // The next start begins with a new clock.
+        ctx.data_mut(|data| data.remove::<PlayClock>(memory));
+        return;
+    };
+    let last = open.document.frames.len().saturating_sub(1);
+    // Playing ends with the last frame, or when the user begins something else.
+    if session.mode != Mode::Idle || session.dialog.is_some() || session.frame >= last {
+        panel.view(ViewAction::Pause);
+        return;
+    }
+    let (shown, speed) = (session.frame, session.video.speed.0);
+    // If the user has gone to another frame or changed the speed, the clock starts again from here.
+    let before = ctx
+        .data(|data| data.get_temp::<PlayClock>(memory))
+        .filter(|clock| clock.follows(shown, speed));
+    let mut clock = before.unwrap_or_else(|| PlayClock::start(now_s, shown, speed));
+    // The clock asks for one frame after the other; a set answers in logarithmic time.
+    let decoded: BTreeSet<usize> = panel.pictures.decoded_frames().into_iter().collect();
+    let due = clock.frame_at(now_s, open, |frame| decoded.contains(&frame));
+    if due != shown {
+        panel.go_to(due);
+    }
+    // Drawn again when the next frame is due, or soon, if it is still to be decoded.
+    let wait = if decoded.contains(&(due + 1)) {
+        clock.until_next_s(now_s, open)
+    } else {
+        LOOK_AGAIN.as_secs_f64()
+    };
+    ctx.request_repaint_after(Duration::from_secs_f64(wait));
+    ctx.data_mut(|data| data.insert_temp(memory, clock));
 }

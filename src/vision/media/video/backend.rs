@@ -1,7 +1,7 @@
 //! Video backends, and opening a video with one: the user's `ffmpeg` program, and OpenCV if it is
 //! built in with its video module.
 
-use super::capture::Capture;
+use super::Capture;
 use super::container::Container;
 use super::ffmpeg::{FfmpegCapture, Output, ffmpeg};
 use super::ffprobe::{self, Stream};

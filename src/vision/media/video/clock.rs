@@ -22,7 +22,6 @@ pub enum FrameClock {
 
 impl FrameClock {
     /// When a frame is shown, s; none beyond the list.
-    #[must_use]
     pub fn pts_s(&self, index: usize) -> Option<f64> {
         match self {
             Self::Even { first_s, fps } => Some(first_s + index as f64 / fps),
@@ -31,7 +30,6 @@ impl FrameClock {
     }
 
     /// The frame shown at a time stamp; `None` if no frame has about that time.
-    #[must_use]
     pub fn index_at(&self, pts_s: f64) -> Option<usize> {
         match self {
             Self::Even { first_s, fps } => {

@@ -83,7 +83,6 @@ impl Video {
     }
 
     /// The result of the survey of the video.
-    #[must_use]
     pub const fn info(&self) -> &VideoInfo {
         &self.info
     }

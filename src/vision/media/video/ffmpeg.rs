@@ -11,9 +11,9 @@
 //! position; `-copyts` and passing every frame through keep the container's times. `ffprobe`, of
 //! the same package, reports what the container states (`ffprobe.rs`).
 
-use super::capture::{Capture, StatedProperties};
 use super::ffprobe::Stream;
 use super::process::{Patient, Process, as_file, fail_if_killed, output_of};
+use super::{Capture, StatedProperties};
 use crate::media::picture::byte_count;
 use crate::media::{MediaError, Picture};
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};

@@ -1,7 +1,7 @@
 //! What a container states about its video, as the program `ffprobe` reports it.
 
-use super::capture::{StatedProperties, turned_aspect};
 use super::process::{Process, as_file, output_of};
+use super::{StatedProperties, turned_aspect};
 use crate::media::MediaError;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};

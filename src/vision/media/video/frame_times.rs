@@ -4,12 +4,11 @@
 //! the sample table of an MP4, provided that sampled frames confirm it, or from decoding every
 //! frame. The survey chooses among these.
 
-use super::capture::Capture;
 use super::comb::{is_combed, may_be_interlaced};
 use super::container::ContainerKind;
 use super::player::{Player, ReadOutcome};
 use super::sample_table::sample_times_s;
-use super::{CountProgress, FrameClock, VideoInfo};
+use super::{Capture, CountProgress, FrameClock, VideoInfo};
 use crate::media::MediaError;
 use std::ops::ControlFlow;
 use std::path::Path;

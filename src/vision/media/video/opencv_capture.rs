@@ -10,7 +10,7 @@
 //!   beginning with remnants of earlier ones, whose times go back.
 //! - A file that it cannot read is no error; it is just not open.
 
-use super::capture::{Capture, StatedProperties, turned_aspect};
+use super::{Capture, StatedProperties, turned_aspect};
 use crate::media::picture::byte_count;
 use crate::media::{MediaError, Picture, one_line};
 use opencv::core::{Mat, Vec4b, Vector};

@@ -1,7 +1,6 @@
 //! Seeking in a capture by frame index: reading on if the frame is near, a seek if it is far.
 
-use super::capture::Capture;
-use super::{FrameClock, VideoInfo};
+use super::{Capture, FrameClock, VideoInfo};
 use crate::media::MediaError;
 
 /// Maximum distance that is covered by reading on. A seek costs the frames since the last key frame

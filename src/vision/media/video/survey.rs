@@ -8,7 +8,6 @@
 //! provided that sampled frames confirm it; otherwise every frame is decoded once.
 
 use super::backend::{DescribedVideo, VideoBackend};
-use super::capture::Capture;
 use super::comb::{count_combed_in_middle, is_combed, may_be_interlaced};
 use super::container::{ContainerKind, container_of};
 use super::frame_times::{
@@ -16,7 +15,7 @@ use super::frame_times::{
     play_through, times_go_back, verified_sample_times_s,
 };
 use super::player::Player;
-use super::{CountProgress, FrameClock, VideoInfo};
+use super::{Capture, CountProgress, FrameClock, VideoInfo};
 use crate::media::image_file::ImageLimits;
 use crate::media::{MediaError, Notice, Picture};
 use std::ops::RangeInclusive;

@@ -1,8 +1,7 @@
 //! A video of which only the times matter, for tests of what reads and counts frames.
 
-use super::capture::{Capture, StatedProperties};
 use super::player::Player;
-use super::{FrameClock, VideoInfo};
+use super::{Capture, FrameClock, StatedProperties, VideoInfo};
 use crate::media::{MediaError, Picture};
 use std::path::Path;
 use std::sync::Arc;

@@ -81,7 +81,6 @@ impl LineCheck {
     /// line less than a third of which was seen, with at most 0.17 of the paint unexplained; none
     /// had both signs. In another broadcast, whose centre circle lay 40 px or more off, all 34
     /// pictures have both, at assumed lengths of 101 m and of 105 m.
-    #[must_use]
     pub fn is_of_other_field(&self) -> bool {
         let Some((seen, alone)) = self.emptiest.zip(self.unexplained) else {
             return false;
@@ -90,26 +89,22 @@ impl LineCheck {
     }
 
     /// The number of samples on open ground.
-    #[must_use]
     pub const fn num_open(&self) -> usize {
         self.found + self.bare
     }
 
     /// Whether enough samples are on open ground for a verdict.
-    #[must_use]
     pub const fn can_say(&self) -> bool {
         self.num_open() >= FEWEST_OPEN
     }
 
     /// The verdict that the score and the number of open samples allow.
-    #[must_use]
     pub fn verdict(&self) -> LineVerdict {
         LineVerdict::from_score(self.score, self.num_open())
     }
 }
 
 /// Tests a camera against the paint of a picture.
-#[must_use]
 pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera) -> LineCheck {
     let ground = &*ground_on_field(ground, field, camera);
     let size = ground.size();
@@ -247,7 +242,6 @@ pub(super) fn halves_apart_px(
 /// Distance between the overlays of two cameras with one base, px: the median over a grid of 5 × 5
 /// points of the picture. Infinite if the second camera does not see most of what the first one
 /// sees.
-#[must_use]
 pub fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64 {
     const PLACES: u32 = 5;
     let other = PtzCamera::new(*camera.base(), other);

@@ -2,7 +2,7 @@
 //! the picture shows across each.
 
 use crate::paint::GroundPicture;
-use crate::paint::ridges::across::{Across, Ridge};
+use crate::paint::ridges::profile::{Across, Ridge};
 use crate::paint::ridges::ridge::RidgeFinder;
 use crate::paint::turf::surface::GroundPart;
 use std::ops::Range;
@@ -51,7 +51,6 @@ pub(super) struct SamplingDistances {
 impl LineObservations {
     /// Searches a picture for the paint that a camera predicts. Lengths of `look` are px of the
     /// picture.
-    #[must_use]
     pub(in crate::paint) fn search(
         ground: &GroundPicture,
         field: &FieldModel,
@@ -95,7 +94,6 @@ impl LineObservations {
     }
 
     /// The ridges at a sample.
-    #[must_use]
     pub fn ridges_at(&self, sample: usize) -> &[Ridge] {
         match &self.seen[sample] {
             SampleContent::Paint(range) => &self.ridges[range.clone()],
@@ -104,7 +102,6 @@ impl LineObservations {
     }
 
     /// The ridge of a sample that is nearest to an offset from the predicted line, px.
-    #[must_use]
     pub fn nearest(&self, sample: usize, offset_px: f64) -> Option<&Ridge> {
         let distance = |ridge: &Ridge| (ridge.offset_px - offset_px).abs();
         self.ridges_at(sample)
@@ -113,7 +110,6 @@ impl LineObservations {
     }
 
     /// Number of samples that show bare ground.
-    #[must_use]
     pub fn bare(&self) -> usize {
         self.seen
             .iter()

@@ -2,7 +2,7 @@
 //! from every predicted line.
 
 use crate::paint::GroundPicture;
-use crate::paint::ridges::across::Across;
+use crate::paint::ridges::profile::Across;
 use crate::paint::ridges::ridge::RidgeFinder;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;

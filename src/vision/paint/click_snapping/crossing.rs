@@ -16,10 +16,9 @@
 //!
 //! [`gauss_newton_step`]: touchline_core::solve::gauss_newton_step
 
-use super::placed_point::LINE_SIGMA_PX;
-use crate::paint::ridges::across::Ridge;
+use super::LINE_SIGMA_PX;
+use crate::paint::ridges::profile::Ridge;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector1};
-use touchline_core::field::FieldElement;
 use touchline_core::geometry::Vec2;
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
 
@@ -134,10 +133,6 @@ struct LinePrior {
 impl Residual<1, 0, PARAMETERS> for LinePrior {
     type State = CrossingState;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         self.sigma
     }
@@ -149,11 +144,7 @@ impl Residual<1, 0, PARAMETERS> for LinePrior {
     fn linearise(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
         let mut by_own = SMatrix::zeros();
         by_own[self.parameter] = 1.0;
-        Some(Linearised {
-            value: self.value(state)?,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(self.value(state)?, by_own))
     }
 
     /// Always squared. A robust loss would weaken the prior of a line that is far from it.
@@ -172,10 +163,6 @@ struct NearestRidge<'a> {
 impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
     type State = CrossingState;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         self.sigma_px
     }
@@ -187,11 +174,7 @@ impl Residual<1, 0, PARAMETERS> for NearestRidge<'_> {
 
     fn linearise(&self, state: &CrossingState) -> Option<Linearised<1, 0, PARAMETERS>> {
         let by_own = offset_by_state(self.place, self.line).transpose();
-        Some(Linearised {
-            value: self.value(state)?,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(self.value(state)?, by_own))
     }
 }
 
@@ -238,7 +221,7 @@ pub(in crate::paint) fn residual_px(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::solve::check_derivatives;
+    use touchline_core::testing::check_derivatives;
 
     #[test]
     fn residuals_change_with_shift_turn_and_offset_as_their_derivatives_say() {

@@ -1,10 +1,10 @@
 //! The template of a point marking as a camera sees it, blurred, and the least-squares problem that
 //! aligns it with a picture.
 
-use super::placed_point::lines_through;
-use nalgebra::{Matrix2, RowVector4, SMatrix, Vector1, Vector4};
+use super::lines_through;
+use nalgebra::{Matrix2, RowVector4, Vector1, Vector4};
 use touchline_core::camera::PtzCamera;
-use touchline_core::field::{FieldElement, FieldModel, Landmark};
+use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::geometry::{Vec2, Vec3};
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
 
@@ -214,10 +214,6 @@ struct SpotPixel<'a> {
 impl Residual<1, 0, 4> for SpotPixel<'_> {
     type State = DrawnSpot;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         1.0
     }
@@ -246,11 +242,7 @@ impl Residual<1, 0, 4> for SpotPixel<'_> {
             covers(0.0, 0.0),
             1.0,
         );
-        Some(Linearised {
-            value: self.value(spot)?,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(self.value(spot)?, by_own))
     }
 }
 

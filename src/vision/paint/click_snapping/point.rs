@@ -14,10 +14,10 @@ use super::crossing::{
     CrossingAtScale, CrossingLine, CrossingState, MOST_LINES, PaintedSample, meeting_point,
     residual_px,
 };
-use super::placed_point::{PointSnapOptions, SnappedPoint, lines_through};
 use super::spot::snap_spot;
+use super::{PointSnapOptions, SnappedPoint, lines_through};
 use crate::paint::GroundPicture;
-use crate::paint::ridges::across::Across;
+use crate::paint::ridges::profile::Across;
 use crate::paint::ridges::ridge::RidgeFinder;
 use nalgebra::Matrix2;
 use touchline_core::camera::PtzCamera;
@@ -68,7 +68,6 @@ const SCALES_PX: [f64; 4] = [3.0, 2.0, 1.2, 1.2];
 ///
 /// `camera` need not be exact: the directions of its lines may be a few degrees off, and its
 /// position in the picture does not matter.
-#[must_use]
 pub fn snap_point(
     ground: &GroundPicture,
     field: &FieldModel,

@@ -11,7 +11,7 @@
 //! good.
 
 use super::drawn_spot::{DrawnSpot, Shape, SpotProblem};
-use super::placed_point::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
+use super::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
 use crate::paint::GroundPicture;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldModel, Landmark};

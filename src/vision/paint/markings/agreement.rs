@@ -1,8 +1,8 @@
 //! Agreement of a camera's lines with a picture's markings, in both directions: which markings lie
 //! on lines, and which lines show markings.
 
-use super::directions::{cell_at, direction_of, with_neighbours};
 use super::marking_pixels::{MarkingPixels, PixelContent};
+use super::persistent::{cell_at, direction_of, with_neighbours};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
@@ -77,7 +77,6 @@ impl<'a> PaintedCells<'a> {
 impl Agreement {
     /// The product of both shares: high only if both are. A camera that predicts few lines may have
     /// all of them on markings, one that predicts many explains most markings.
-    #[must_use]
     pub fn both(&self) -> f64 {
         self.explained * self.seen
     }

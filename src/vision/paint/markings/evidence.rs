@@ -7,8 +7,8 @@
 //! is spread along its normal only. The lines are short pieces, and the map is read once for each
 //! piece, at its middle.
 
-use super::directions::{DIRECTIONS, cell_at, direction_of, with_neighbours};
 use super::marking_pixels::{MarkingPixels, PixelContent};
+use super::persistent::{DIRECTIONS, cell_at, direction_of, with_neighbours};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};

@@ -3,7 +3,6 @@
 //! them with the lines that a camera predicts. Aligning that camera is not done here.
 
 pub mod agreement;
-mod directions;
 pub mod evidence;
 pub mod marking_pixels;
 pub mod persistent;

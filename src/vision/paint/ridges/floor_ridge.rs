@@ -12,9 +12,8 @@
 //! Their edges are measured along the colour direction in which the line stands out. If the sides
 //! differ in that direction, a blurred stripe of known width is fitted instead.
 
-use super::across::{Across, Ridge, is_like_paint};
 use super::colours::{Colour, ColourProfile};
-use super::profile::is_local_maximum;
+use super::profile::{Across, Ridge, is_like_paint, is_local_maximum};
 use crate::paint::GroundPicture;
 use touchline_core::geometry::{Mat3, Vec3};
 

@@ -3,9 +3,7 @@
 //! Floors of wood, plastic or ice have a search of their own. What the ridges say about a camera is
 //! decided in `camera_alignment`.
 
-pub mod across;
 mod colours;
-pub mod contrast;
 mod floor_ridge;
 pub mod profile;
 pub mod ridge;

@@ -16,7 +16,6 @@ pub struct GroundPicture {
 
 impl GroundPicture {
     /// Prepares a picture. Pixels within `masks` (px) show no ground: graphics, score bugs.
-    #[must_use]
     pub fn new(picture: &Picture, masks: &[PixelBox]) -> Self {
         Self {
             picture: picture.clone(),
@@ -35,13 +34,11 @@ impl GroundPicture {
     }
 
     /// Width and height, px.
-    #[must_use]
     pub const fn size(&self) -> ImageSize {
         self.picture.size()
     }
 
     /// The colours of the ground.
-    #[must_use]
     pub const fn surface(&self) -> &Surface {
         &self.surface
     }
@@ -57,7 +54,6 @@ impl GroundPicture {
     }
 
     /// Whether the pixel at a point has one of the ground's colours. False outside the picture.
-    #[must_use]
     pub fn is_ground(&self, at: ImagePoint) -> bool {
         self.part(at).is_some()
     }
@@ -78,7 +74,6 @@ impl GroundPicture {
     }
 
     /// Whether a point lies in one of the masks.
-    #[must_use]
     pub fn is_masked(&self, at: ImagePoint) -> bool {
         self.masks.iter().any(|mask| mask.contains(at))
     }

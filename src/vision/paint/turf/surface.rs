@@ -103,7 +103,6 @@ fn bin([red, green, blue]: [u8; 3]) -> Option<usize> {
 
 impl Surface {
     /// The colours of a picture's ground.
-    #[must_use]
     pub fn from_picture(picture: &Picture) -> Self {
         let bins = Bins::from_picture(picture);
         // Histogram, smoothed so that a sparse histogram stays connected.
@@ -166,13 +165,11 @@ impl Surface {
     }
 
     /// Whether a colour belongs to the ground or to an area painted on it.
-    #[must_use]
     pub fn holds(&self, colour: [u8; 3]) -> bool {
         self.part(colour).is_some()
     }
 
     /// The part of the ground that a colour belongs to. None if it is not the ground's.
-    #[must_use]
     pub(in crate::paint) fn part(&self, colour: [u8; 3]) -> Option<GroundPart> {
         let bin = bin(colour)?;
         match (self.of_ground[bin], self.of_areas[bin]) {
@@ -183,14 +180,12 @@ impl Surface {
     }
 
     /// Whether a colour is one of the ground's most common ones or belongs to a painted area.
-    #[must_use]
     pub(super) fn is_common(&self, colour: [u8; 3]) -> bool {
         bin(colour).is_some_and(|bin| self.of_bare_ground[bin] || self.of_areas[bin])
     }
 
     /// Whether the ground is green. Lines on turf are lighter than it; lines on other floors may be
     /// darker or of another hue.
-    #[must_use]
     pub const fn is_turf(&self) -> bool {
         self.is_turf
     }

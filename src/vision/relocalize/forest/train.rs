@@ -1,9 +1,8 @@
 //! Training of a forest from samples; the result is the same bytes for any number of threads.
 
-use super::leaf::means;
-use super::split::{Split, choose_split};
-use super::tree::{Branch, Forest, MAX_ITEMS, MeanRay, Node, Tree};
-use super::{Samples, TrainOptions};
+use super::TrainOptions;
+use super::split::{Samples, Split, choose_split};
+use super::tree::{Branch, Forest, MAX_ITEMS, MeanRay, Node, Tree, means};
 use crate::features::{Descriptor, Sketch};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};

@@ -1,8 +1,10 @@
 //! A trained tree in flat memory.
 
-use crate::features::{Descriptor, Sketch};
+use super::Samples;
+use crate::features::{DESCRIPTOR_BYTES, Descriptor, Sketch};
 use std::ops::Range;
-use touchline_core::geometry::Angle;
+use touchline_core::camera::PanTilt;
+use touchline_core::geometry::{Angle, Vec3};
 
 /// A branch: the index of an inner node, or of a leaf with the top bit set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,7 +145,6 @@ pub struct Forest {
 
 impl Forest {
     /// Number of trees.
-    #[must_use]
     pub const fn trees(&self) -> usize {
         self.trees.len()
     }
@@ -157,30 +158,105 @@ impl Forest {
     }
 
     /// Number of leaves of all trees.
-    #[must_use]
     pub fn leaves(&self) -> usize {
         self.trees.iter().map(|tree| tree.leaf_ends.len()).sum()
     }
 
     /// Number of descriptors in all leaves; each is the mean of samples that show one place.
-    #[must_use]
     pub fn means(&self) -> usize {
         self.trees.iter().map(|tree| tree.rays.len()).sum()
     }
 
     /// Memory in bytes.
-    #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.trees.iter().map(Tree::memory_bytes).sum()
     }
 
     /// Number of leaves whose rays spread by more than an angle (rad, root mean square): different
     /// places that look alike, or references that contradict each other.
-    #[must_use]
     pub fn mixed_leaves(&self, spread: f64) -> usize {
         self.trees
             .iter()
             .map(|tree| tree.mixed_leaves(spread))
             .sum()
     }
+}
+
+/// Clusters the samples `at` of a leaf by their rays and returns the mean of each cluster.
+///
+/// Greedy: a sample joins the first cluster whose first ray is within `merge_within`, else it
+/// starts a cluster.
+pub(super) fn means(
+    samples: &Samples,
+    at: &[u32],
+    merge_within: Angle,
+) -> Vec<(Descriptor, MeanRay)> {
+    // Sorted by the x coordinate of the rays, clusters whose x lies farther back than the radius
+    // can no longer match. The radius is a chord of the unit sphere. Equal values are ordered by
+    // index, so the result is deterministic.
+    let mut order = at.to_vec();
+    order.sort_unstable_by(|&a, &b| {
+        let by_x = samples.ray(a).x.total_cmp(&samples.ray(b).x);
+        by_x.then(a.cmp(&b))
+    });
+    let chord = 2.0 * (merge_within.radians() / 2.0).sin();
+    let mut places: Vec<(Vec3, Vec<u32>)> = Vec::new();
+    let mut first_near = 0;
+    for sample in order {
+        // Clusters are in the order of x of their first rays, so `first_near` only moves forward.
+        let at = samples.ray(sample);
+        while places
+            .get(first_near)
+            .is_some_and(|(place, _)| at.x - place.x > chord)
+        {
+            first_near += 1;
+        }
+        let near = places[first_near..]
+            .iter_mut()
+            .find(|(place, _)| (at - *place).norm() < chord);
+        match near {
+            Some((_, members)) => members.push(sample),
+            None => places.push((at, vec![sample])),
+        }
+    }
+    places
+        .iter()
+        .map(|(_, members)| mean(samples, members))
+        .collect()
+}
+
+/// The mean descriptor, rounded, and the mean ray of at least one sample.
+fn mean(samples: &Samples, members: &[u32]) -> (Descriptor, MeanRay) {
+    let count = members.len() as u32;
+    let mut sums = [0u32; DESCRIPTOR_BYTES];
+    let mut direction = Vec3::zeros();
+    for &sample in members {
+        for (sum, &byte) in sums.iter_mut().zip(&samples.descriptors[sample as usize].0) {
+            *sum += u32::from(byte);
+        }
+        direction += samples.ray(sample);
+    }
+    // A single ray is kept exactly; normalising would round it.
+    let mean = if count == 1 {
+        direction
+    } else {
+        direction.normalize()
+    };
+    // Chords stand for angles, which they equal for rays near each other.
+    let squares: f64 = members
+        .iter()
+        .map(|&sample| (samples.ray(sample) - mean).norm_squared())
+        .sum();
+    let ray = PanTilt::from_direction(mean);
+    let pan_tilt = [ray.pan.radians() as f32, ray.tilt.radians() as f32];
+    let spread = (squares / f64::from(count)).sqrt() as f32;
+    let descriptor = Descriptor(sums.map(|sum| ((sum + count / 2) / count) as u8));
+    (
+        descriptor,
+        MeanRay {
+            pan_tilt,
+            spread,
+            samples: count,
+        },
+    )
 }

@@ -1,11 +1,12 @@
 //! The joint adjustment of a clip: pan, tilt and focal length of every frame and the direction of
 //! every tracked point, from all observations and pose priors at once.
 
-use super::super::pose_prior::{PosePrior, PriorSource, apply_offset, by_focal_px, offset};
-use super::super::pose_problem::{AdjustedFrame, PointObservations, PoseProblem, PoseState};
-use super::camera::ClipCamera;
+use super::super::pose_problem::{
+    AdjustedFrame, PointObservations, PosePrior, PoseProblem, PoseState, PriorSource, apply_offset,
+    by_focal_px, offset,
+};
 use super::smooth::smoothed_offsets;
-use super::{PointTrack, PointTracks, PropagatedClip};
+use super::{ClipCamera, PointTrack, PointTracks, PropagatedClip};
 use touchline_core::camera::{PanTilt, Ptz, PtzCamera};
 use touchline_core::geometry::{Mat3, Vec3, median};
 use touchline_core::solve::{Loss, Stopping, minimise};
@@ -56,7 +57,6 @@ pub struct AdjustedClip {
 ///
 /// `None` if the clip is undetermined: no reached frame has an informative prior, or the normal
 /// equations are singular.
-#[must_use]
 pub fn adjust_clip(
     camera: &ClipCamera,
     tracks: &PointTracks,

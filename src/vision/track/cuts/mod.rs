@@ -76,7 +76,6 @@ pub struct FoundCut {
 
 impl FoundCut {
     /// Whether the new shot begins after frames that belong to no shot.
-    #[must_use]
     pub fn is_gradual(&self) -> bool {
         !self.transition.is_empty()
     }

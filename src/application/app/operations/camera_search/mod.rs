@@ -171,7 +171,6 @@ fn why_no_search_of_sport(document: &Document, camera: &CameraId) -> Option<&'st
 
 impl App {
     /// The camera that was found last, or of two the one that explains more paint.
-    #[must_use]
     pub fn found_camera(&self) -> Option<Arc<FoundCamera>> {
         self.operations.camera_search.found.clone()
     }
@@ -325,7 +324,6 @@ impl App {
 
 impl CameraSearchState {
     /// The running search with its progress, for the status row.
-    #[must_use]
     pub fn under_way(&self) -> Option<UnderWay> {
         let progress = self.slot.running()?.progress();
         let step = progress.map_or_else(|| "Opening the pictures".to_owned(), ToString::to_string);
@@ -340,7 +338,6 @@ impl CameraSearchState {
     }
 
     /// The inputs of the running search.
-    #[must_use]
     pub fn running(&self) -> Option<&CameraSearch> {
         self.slot.running().map(Running::operation)
     }

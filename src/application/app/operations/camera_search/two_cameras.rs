@@ -94,7 +94,6 @@ impl TwoCameras {
     }
 
     /// The question to the user, with the deciding click if there is one.
-    #[must_use]
     pub fn describe(&self) -> String {
         let [best, other] = [0, 1].map(|which| describe_place(&self.cameras[which].found));
         let by = self.deciding.as_ref().map_or_else(

@@ -1,9 +1,8 @@
 //! The results of line checks, and which frame is checked next. Results count only for the camera
 //! and the field with which they were made.
 
-use super::batch::{CheckedLines, FrameToCheck, LineCheckBatch};
-use super::offsets::{BESIDE_PX, LineOffset};
-use super::summary::LineCheckSummary;
+use super::LineCheckSummary;
+use super::batch::{BESIDE_PX, CheckedLines, FrameToCheck, LineCheckBatch, LineOffset};
 use crate::app::OpenProject;
 use crate::app::operation::Slot;
 use std::collections::{BTreeMap, BTreeSet};

@@ -2,22 +2,22 @@
 //! between edits. The results are kept beside the document; acceptance of a frame writes its result
 //! into the document.
 
-mod acceptance;
 mod batch;
 mod checks;
-mod offsets;
-mod summary;
+
+pub use batch::{BESIDE_PX, LineOffset};
+pub(in crate::app) use checks::LineChecks;
 
 use crate::app::App;
+use crate::app::window_state::session::Level;
 use batch::LineCheckBatch;
-pub(in crate::app) use checks::LineChecks;
-pub use offsets::{BESIDE_PX, LineOffset};
-pub use summary::LineCheckSummary;
+use touchline_calibration::calibrate::record_line_check;
 use touchline_core::markings::LineVerdict;
+use touchline_documents::document::{FrameId, FrameStatus, PaintEvidence};
+use touchline_vision::paint::LineCheck;
 
 impl App {
     /// The line check of a frame's camera, if it is known.
-    #[must_use]
     pub fn paint_says(&self, frame: usize) -> Option<LineCheckSummary> {
         let open = self.open.as_ref()?;
         self.operations
@@ -26,7 +26,6 @@ impl App {
     }
 
     /// Whether the line check contradicts a frame's camera.
-    #[must_use]
     pub fn is_contradicted(&self, frame: usize) -> bool {
         self.paint_says(frame)
             .is_some_and(|says| says.verdict == LineVerdict::Contradicts)
@@ -37,7 +36,6 @@ impl App {
     /// [`Self::paint_says`] leaves the verdict open where the lines contradict every camera of the
     /// document, because such lines may be those of another sport. Before a camera is accepted the
     /// picture itself counts.
-    #[must_use]
     pub fn own_paint_says(&self, frame: usize) -> Option<LineCheckSummary> {
         let open = self.open.as_ref()?;
         let frame = open.frame(frame)?;
@@ -46,7 +44,6 @@ impl App {
 
     /// How far the paint lies from the lines that a frame's camera draws, farthest first. Empty if
     /// that is not known.
-    #[must_use]
     pub fn line_offsets(&self, frame: usize) -> &[LineOffset] {
         let open = self.open.as_ref();
         open.and_then(|open| {
@@ -59,7 +56,6 @@ impl App {
 
     /// The line that lies beside its paint by [`BESIDE_PX`] or more, if a frame's camera has one;
     /// the farthest of them.
-    #[must_use]
     pub fn line_beside_paint(&self, frame: usize) -> Option<&LineOffset> {
         let open = self.open.as_ref()?;
         self.operations
@@ -92,12 +88,163 @@ impl App {
     }
 }
 
+/// The line check of a camera, as the window shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineCheckSummary {
+    /// The verdict.
+    pub verdict: LineVerdict,
+    /// Number of samples on the lines with paint nearby.
+    pub found: usize,
+    /// Number of samples on the lines where nothing hides the ground.
+    pub open: usize,
+    /// Median distance of the paint from the lines, px; none if no paint was found.
+    pub offset_px: Option<f64>,
+}
+
+impl LineCheckSummary {
+    fn from_check(check: &LineCheck) -> Self {
+        let offset_px = Some(check.offset_px).filter(|offset| offset.is_finite());
+        Self {
+            verdict: check.verdict(),
+            found: check.found,
+            open: check.num_open(),
+            offset_px,
+        }
+    }
+
+    fn from_evidence(evidence: &PaintEvidence) -> Self {
+        let open = evidence.open();
+        Self {
+            verdict: evidence.verdict(),
+            found: evidence.found,
+            open,
+            offset_px: evidence.offset_px,
+        }
+    }
+
+    /// The verdict in three words.
+    pub const fn in_brief(&self) -> &'static str {
+        match self.verdict {
+            LineVerdict::Supports => "on painted lines",
+            LineVerdict::Contradicts => "off painted lines",
+            LineVerdict::CannotSay => "painted lines unclear",
+        }
+    }
+
+    /// The share of the open places at which paint was found, as text: "97 %".
+    fn share_found(&self) -> String {
+        format!(
+            "{:.0} %",
+            100.0 * self.found as f64 / self.open.max(1) as f64
+        )
+    }
+
+    /// One line: "on the painted lines: 0.7 px off, 97 % of the visible paint found".
+    pub fn describe(&self) -> String {
+        let found = self.share_found();
+        match (self.verdict, self.offset_px) {
+            (LineVerdict::Supports, Some(px)) => {
+                format!("on the painted lines: {px:.1} px off, {found} of the visible paint found")
+            }
+            (LineVerdict::Supports, None) => {
+                format!("on the painted lines: {found} of the visible paint found")
+            }
+            (LineVerdict::Contradicts, _) => {
+                format!("the paint contradicts this camera ({found} found where it expects paint)")
+            }
+            (LineVerdict::CannotSay, Some(px)) => format!(
+                "the paint neither supports nor contradicts this camera ({found} found, {px:.0} px \
+                 off)"
+            ),
+            (LineVerdict::CannotSay, None) => {
+                format!("the paint neither supports nor contradicts this camera ({found} found)")
+            }
+        }
+    }
+}
+
+// What painted lines mean for the acceptance of a frame: where they contradict its camera a person
+// has to confirm it. A frame that was accepted before it was checked is named once it has been, and
+// the check of an accepted frame is written into its solution.
+
+impl App {
+    /// Whether accepting a frame needs a confirmation because the paint in its picture lies
+    /// elsewhere. If lines contradict every camera, a confirmation is needed until a person has
+    /// accepted one of them.
+    pub(in crate::app) fn paint_forbids(&self, frame: usize) -> bool {
+        let is_off = self
+            .own_paint_says(frame)
+            .is_some_and(|says| says.verdict == LineVerdict::Contradicts);
+        is_off && (self.is_contradicted(frame) || !self.has_accepted_off_paint())
+    }
+
+    fn has_accepted_off_paint(&self) -> bool {
+        let Some(open) = &self.open else { return false };
+        let mut frames = open.document.frames.iter();
+        frames.any(|frame| frame.evidence_against_acceptance().is_some())
+    }
+
+    /// Remembers a frame that is accepted before its paint was checked. If the paint contradicts
+    /// it, the user is informed later.
+    pub(in crate::app) fn accept_before_check(&mut self, frame: usize) {
+        if self.own_paint_says(frame).is_some() {
+            return;
+        }
+        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(frame)) else {
+            return;
+        };
+        let id = frame.id.clone();
+        self.operations.line_checks.accepted_unchecked.insert(id);
+    }
+
+    /// Says which of the frames that were accepted before their paint was looked at it contradicts.
+    fn report_accepted_off_paint(&mut self, checked: &[FrameId]) {
+        for id in checked {
+            if !self.operations.line_checks.accepted_unchecked.remove(id) {
+                continue;
+            }
+            let Some(open) = &self.open else { return };
+            let Some(place) = open.document.frames.position_of(id) else {
+                continue;
+            };
+            let is_reference = open
+                .frame(place)
+                .is_some_and(|frame| frame.status == FrameStatus::Reference);
+            if is_reference && self.paint_forbids(place) {
+                let number = open.frame_number(place);
+                let text = format!(
+                    "Frame {number} was accepted before its painted lines were checked: they lie \
+                     elsewhere in the picture. Look at it again."
+                );
+                self.session.notify(Level::Warning, text);
+            }
+        }
+    }
+
+    /// Writes what the paint says about a frame's camera into its solution, within a step.
+    pub(in crate::app) fn record_paint_of(&mut self, place: usize) {
+        let Some(open) = &mut self.open else { return };
+        let Some(frame) = open.frame(place) else {
+            return;
+        };
+        let Some(check) = self.operations.line_checks.fresh(open, frame) else {
+            return;
+        };
+        if let Some(frame) = open.document.frames.get_mut(place) {
+            record_line_check(frame, &check);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::batch::CheckedLines;
+    use super::checks::CONTRADICTED_ALONE;
     use super::*;
     use crate::app::operation::Operation;
-    use crate::app::{Action, DiskReport, EditAction, Effect, Opened, Settings};
+    use crate::app::{
+        Action, Command, DiskReport, EditAction, Effect, Navigation, Opened, Settings,
+    };
     use std::path::PathBuf;
     use touchline_core::camera::PtzCamera;
     use touchline_core::field::builtin;
@@ -202,5 +349,58 @@ mod tests {
         let change = Action::Edit(EditAction::Field(spec));
         assert!(starts_check(&mut app, change));
         assert_eq!(app.own_paint_says(0), None);
+    }
+
+    fn status(app: &App, frame: usize) -> FrameStatus {
+        app.open().unwrap().frame(frame).unwrap().status
+    }
+
+    #[test]
+    fn if_every_camera_is_contradicted_a_person_must_confirm_until_one_is_accepted() {
+        let mut app = imported(CONTRADICTED_ALONE + 1);
+        report(&mut app, 0..CONTRADICTED_ALONE + 1, 0.0);
+        assert!(
+            !app.is_contradicted(0),
+            "they may be lines of another sport"
+        );
+        app.update(Action::Command(Command::AcceptAndStay));
+        assert_eq!(status(&app, 0), FrameStatus::Draft);
+        assert!(app.session.offers(Command::AcceptAnyway));
+        app.update(Action::Command(Command::AcceptAnyway));
+        assert_eq!(status(&app, 0), FrameStatus::Reference);
+        app.update(Action::Navigate(Navigation::GoTo(1)));
+        app.update(Action::Command(Command::AcceptAndStay));
+        assert_eq!(
+            status(&app, 1),
+            FrameStatus::Reference,
+            "no second question"
+        );
+    }
+
+    #[test]
+    fn a_frame_accepted_before_its_check_is_named_when_the_paint_contradicts_it() {
+        let mut app = imported(3);
+        for frame in 0..2 {
+            app.update(Action::Navigate(Navigation::GoTo(frame)));
+            app.update(Action::Command(Command::AcceptAndStay));
+            assert_eq!(status(&app, frame), FrameStatus::Reference);
+        }
+        report(&mut app, 1..3, 1.0);
+        let warnings = |app: &App| -> Vec<String> {
+            let notices = app.session.messages.notices.iter();
+            notices
+                .filter(|notice| notice.level == Level::Warning)
+                .map(|notice| notice.text.clone())
+                .collect()
+        };
+        assert_eq!(warnings(&app), [""; 0]);
+        report(&mut app, 0..1, 0.0);
+        assert_eq!(
+            warnings(&app),
+            [
+                "Frame 0 was accepted before its painted lines were checked: they lie elsewhere in \
+              the picture. Look at it again."
+            ]
+        );
     }
 }

@@ -26,7 +26,6 @@ impl FormatGroup {
     ];
 
     /// The title above the group.
-    #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
             Self::Own => "Touchline and tables",
@@ -38,7 +37,6 @@ impl FormatGroup {
 }
 
 /// The group of a format, and its name for people.
-#[must_use]
 pub fn group_and_name(format: Format) -> (FormatGroup, &'static str) {
     use FormatGroup as G;
     match format {
@@ -75,7 +73,6 @@ pub fn group_and_name(format: Format) -> (FormatGroup, &'static str) {
 
 /// The formats of a group that are found by what was typed, for a list of exports or imports
 /// (`goes`). What was typed is found in the name, the name on the command line and the description.
-#[must_use]
 pub fn formats_in(group: FormatGroup, typed: &str, goes: fn(Format) -> bool) -> Vec<Format> {
     let typed = typed.trim().to_lowercase();
     let is_found = |format: Format, name: &str| {

@@ -92,7 +92,6 @@ impl ImportPreview {
     }
 
     /// Whether the cameras that it brings can be mended afterwards.
-    #[must_use]
     pub fn can_be_mended(&self) -> bool {
         cfg!(feature = "opencv")
             && self.joined.cameras > 0

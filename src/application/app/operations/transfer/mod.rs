@@ -94,7 +94,6 @@ impl Default for TransferState {
 
 impl TransferState {
     /// Whether a look is running.
-    #[must_use]
     pub const fn is_looking(&self) -> bool {
         self.look.is_running()
     }
@@ -111,7 +110,6 @@ impl TransferState {
     }
 
     /// The running write.
-    #[must_use]
     pub const fn writing(&self) -> Option<&Running<TransferWrite>> {
         self.write.running()
     }

@@ -71,7 +71,6 @@ pub(super) fn describe_error(error: &ExchangeError) -> String {
 
 /// A message of an export or import as a sentence, with the dialog's names in place of the command
 /// line's options.
-#[must_use]
 pub fn in_dialog(text: &str) -> String {
     sentence(
         &OPTIONS
@@ -83,7 +82,6 @@ pub fn in_dialog(text: &str) -> String {
 }
 
 /// A number of bytes, such as "34 MB".
-#[must_use]
 pub fn describe_bytes(bytes: u64) -> String {
     const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
     // The next unit begins where rounding would give 1000 of this one.
@@ -102,7 +100,6 @@ pub fn describe_bytes(bytes: u64) -> String {
 
 /// What given cameras say about themselves, in a few lines: how many are impossible or mirrored,
 /// the first of them by name, and where the others stand.
-#[must_use]
 pub fn describe_survey(survey: &CameraSurvey) -> Vec<String> {
     /// Impossible cameras that are named.
     const NAMED: usize = 3;

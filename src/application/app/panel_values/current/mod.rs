@@ -285,20 +285,17 @@ impl Current {
     }
 
     /// The field of the frame's camera, if its template and parameters are valid.
-    #[must_use]
     pub fn field(&self) -> Option<&Arc<FieldModel>> {
         self.field.as_ref()?.as_ref().ok()
     }
 
     /// The solution from the clicks, if they determine a camera.
-    #[must_use]
     pub fn click_solution(&self) -> Option<&FrameSolution> {
         self.solution.as_ref()?.as_ref().ok()
     }
 
     /// The residual of a click. None for check clicks of a solution from clicks, which are in
     /// [`FrameSolution::checks`].
-    #[must_use]
     pub fn residual(&self, click: usize) -> Option<&ClickResidual> {
         let residuals = self
             .click_solution()
@@ -307,20 +304,17 @@ impl Current {
     }
 
     /// The frame's camera; without a base, the camera from its own landmarks.
-    #[must_use]
     pub fn rough_camera(&self) -> Option<PtzCamera> {
         self.camera.or(self.preview.filter(|_| self.base.is_none()))
     }
 
     /// Other names of the clicks that fit better, or equally well.
-    #[must_use]
     pub fn other_names(&self) -> Option<&IdentityFinding> {
         self.click_solution()?.identity.as_ref()
     }
 
     /// The camera for comparison: from other names, with the other focal length, or as it was
     /// imported.
-    #[must_use]
     pub fn alternative(&self) -> Option<PtzCamera> {
         let other = self.other_names().map(|found| found.ptz);
         match other.or_else(|| self.other_root()) {
@@ -330,7 +324,6 @@ impl Current {
     }
 
     /// The second solution of a two-point solve, if there is one and it is plausible.
-    #[must_use]
     pub fn other_root(&self) -> Option<Ptz> {
         self.click_solution()?
             .alternatives

@@ -2,8 +2,7 @@
 //! own clicks and other shots say. The lists are gathered here; `naming` weighs them.
 
 use crate::app::OpenProject;
-use crate::app::window_state::naming;
-use crate::app::window_state::naming::{NamingScene, NeighbourClick, TakenName};
+use crate::app::window_state::naming::{self, NamingScene, NeighbourClick, TakenName};
 use crate::app::window_state::session::Naming;
 use touchline_calibration::calibrate::{calibrate, camera_alone, observations, solved_neighbours};
 use touchline_core::camera::{Ptz, PtzCamera};

@@ -1,7 +1,7 @@
 //! Counts of frames by kind, updated from the frames that change.
 
-use super::memo::Follows;
-use crate::app::window_state::filter::{Filter, is_to_do};
+use super::Follows;
+use crate::app::window_state::choices::{Filter, is_to_do};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_calibration::proposals::is_uncertain;
 use touchline_documents::document::{CameraId, Document, Frame, FrameChanges, FrameStatus, Frames};
@@ -39,19 +39,16 @@ pub struct FrameCounts {
 
 impl FrameCounts {
     /// The number of frames with a status.
-    #[must_use]
     pub fn count_with_status(&self, status: FrameStatus) -> usize {
         self.by_status.get(&status).copied().unwrap_or_default()
     }
 
     /// The number of frames of a camera.
-    #[must_use]
     pub fn count_of_camera(&self, camera: &CameraId) -> usize {
         self.by_camera.get(camera).copied().unwrap_or_default()
     }
 
     /// The number of frames that a filter shows.
-    #[must_use]
     pub fn count_matching(&self, filter: Filter) -> usize {
         match filter {
             Filter::All => self.frames.len(),
@@ -64,7 +61,6 @@ impl FrameCounts {
 
     /// The frames to do, by reason, such as "12 to review, 3 drafts, 8 without an answer, 2 new".
     /// None if there are none.
-    #[must_use]
     pub fn describe_to_do(&self) -> Option<String> {
         let drafts = self.count_with_status(FrameStatus::Draft);
         // Frames without an answer are new, too, and counted under their own reason.
@@ -91,13 +87,11 @@ impl FrameCounts {
     }
 
     /// A counter that grows whenever a frame that was clicked again changes.
-    #[must_use]
     pub const fn repeats_edition(&self) -> u64 {
         self.repeats_edition
     }
 
     /// A counter that grows whenever a suggested frame changes, appears or disappears.
-    #[must_use]
     pub const fn suggestions_edition(&self) -> u64 {
         self.suggestions_edition
     }

@@ -18,7 +18,6 @@ pub(in crate::app::update) const IN_ROUND: &str = "A blind round is under way: e
 
 impl App {
     /// The present blind round, if any.
-    #[must_use]
     pub const fn round(&self) -> Option<&Reclick> {
         match &self.session.mode {
             Mode::ClickingAgain(round) => Some(round),
@@ -27,7 +26,6 @@ impl App {
     }
 
     /// The values about gold frames and their repeats.
-    #[must_use]
     pub fn gold(&self) -> &GoldWork {
         static NOTHING: LazyLock<GoldWork> = LazyLock::new(GoldWork::default);
         self.open

@@ -46,7 +46,6 @@ impl App {
     }
 
     /// Why a mask of the shown frame cannot be extended or restricted to a scope. None if it can.
-    #[must_use]
     pub fn why_not_scope(&self, scope: MaskScope) -> Option<&'static str> {
         let of_video = self.frame().is_some_and(|frame| frame.video.is_some());
         match scope {

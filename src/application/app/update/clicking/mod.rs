@@ -4,7 +4,5 @@
 
 mod clicks;
 pub mod gold;
-mod grab;
 mod masks;
-mod model_points;
 mod naming;

@@ -1,15 +1,13 @@
 //! Names of clicks: the list of candidates, automatic names, and changes of names.
 
-use crate::app::App;
-use crate::app::Command;
 use crate::app::panel_values::current::rank_names;
 use crate::app::window_state::naming::unambiguous;
 use crate::app::window_state::session::{Level, Mode, Naming, PictureView};
+use crate::app::{App, Command};
 use touchline_documents::document::{BetterName, Frame, Target};
 
 impl App {
     /// The label of a landmark or line; its id if the field lacks it.
-    #[must_use]
     pub fn label(&self, target: &Target) -> String {
         let label = self
             .current

@@ -2,10 +2,8 @@
 //! other programs, the sport, shots, numbers that are typed, and which camera a frame has. Clicks
 //! and decisions about single frames are changed in the rooms beside this one.
 
-mod base;
 mod cameras;
 mod document;
-mod leaving;
 mod numbers;
 mod outside;
 mod shots;

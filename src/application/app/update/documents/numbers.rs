@@ -165,7 +165,6 @@ impl App {
     }
 
     /// The specification of the shown frame's field, or the document's if there is no frame.
-    #[must_use]
     pub fn shown_field_spec(&self) -> Option<&FieldSpec> {
         let open = self.open.as_ref()?;
         Some(
@@ -235,7 +234,6 @@ impl App {
     }
 
     /// The camera of the shown frame.
-    #[must_use]
     pub fn camera_id(&self) -> Option<&CameraId> {
         self.frame().map(|frame| &frame.camera)
     }

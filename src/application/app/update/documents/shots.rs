@@ -24,7 +24,6 @@ impl App {
     }
 
     /// The shots of the shown frame's video. None for a still image, or a video without shots.
-    #[must_use]
     pub fn shots(&self) -> Option<VideoShots> {
         VideoShots::from_document(
             &self.open.as_ref()?.document,

@@ -9,7 +9,6 @@ use touchline_documents::document::{CROWN, FieldSpec};
 impl App {
     /// Number of clicks that name landmarks or lines of the shown frame's field. They would lose
     /// their meaning with another field.
-    #[must_use]
     pub fn points_of_field(&self) -> usize {
         let Some((open, spec)) = self.open().zip(self.shown_field_spec()) else {
             return 0;

@@ -1,9 +1,8 @@
 //! Moves between frames, and accepts, rejects or comments them.
 
-use crate::app::App;
-use crate::app::Command;
 use crate::app::panel_values::progress::just_accepted;
 use crate::app::window_state::session::{Level, Mode};
+use crate::app::{App, Command};
 use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 
 impl App {
@@ -59,7 +58,6 @@ impl App {
     }
 
     /// Why the shown frame cannot be accepted, and a remedy. None if it can.
-    #[must_use]
     pub fn unacceptable(&self) -> Option<String> {
         let frame = self.frame()?;
         if self.session.video.picture_awaited {

@@ -7,5 +7,3 @@ mod frames;
 mod proposals;
 mod quality;
 mod review;
-mod stretch;
-mod verdict;

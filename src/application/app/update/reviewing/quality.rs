@@ -1,9 +1,8 @@
 //! The quality page: opening and closing it, its camera and its time axis.
 
-use crate::app::App;
-use crate::app::Command;
 use crate::app::quality::{TimeAxis, zoom_span};
 use crate::app::window_state::session::Mode;
+use crate::app::{App, Command};
 use touchline_documents::document::CameraId;
 
 /// Factor of one press of a zoom key.

@@ -1,13 +1,15 @@
 //! Review of suggestions: the next frame to review, acceptance of several together, and the choice
 //! of training frames.
 
-use crate::app::App;
-use crate::app::Command;
 use crate::app::panel_values::progress::ALL_DONE;
-use crate::app::review::{AcceptQuestion, AcceptSheet, BulkAccept};
+use crate::app::review::{AcceptQuestion, AcceptSheet, BulkAccept, LeftReason, Stretch};
 use crate::app::window_state::session::{Dialog, Level, SidePanel, is_to_do};
+use crate::app::{App, Command};
 use std::sync::Arc;
+use touchline_calibration::calibrate::impossible_camera;
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::pluralise;
+use touchline_core::markings::LineVerdict;
 use touchline_documents::document::{Frame, FrameStatus, Step};
 
 impl App {
@@ -75,7 +77,6 @@ impl App {
 
     /// The suggestions that would be accepted: according to the choices in the panel, without those
     /// that the user unticked.
-    #[must_use]
     pub fn bulk_accept(&self) -> BulkAccept {
         let choice = &self.session.review;
         // The panel counts with its present choices; the open sheet with what it showed when it
@@ -99,7 +100,6 @@ impl App {
     }
 
     /// The content of the sheet *Accept all*; none while it is closed.
-    #[must_use]
     pub const fn accept_sheet(&self) -> Option<&Arc<AcceptSheet>> {
         self.accept_sheet.as_ref()
     }
@@ -228,4 +228,88 @@ impl App {
 
 fn is_suggested(frame: &Frame) -> bool {
     frame.status == FrameStatus::Suggested
+}
+
+impl App {
+    /// How many frames are accepted together when a frame is to be accepted; none while no frames
+    /// are selected.
+    pub fn stretch_size(&self) -> Option<usize> {
+        Some(self.session.frames_selected.len()).filter(|count| *count > 0)
+    }
+
+    /// Counts the selected frames and opens the sheet that says which of them would be accepted.
+    pub(in crate::app::update) fn ask_accept_stretch(&mut self) {
+        if self.decides_about_base() {
+            let text = "An estimated base is shown. Use it or discard it first.";
+            self.session.notify(Level::Info, text);
+            return;
+        }
+        self.commit_open_step();
+        let Some(stretch) = self.count_stretch() else {
+            return;
+        };
+        // What was taken out of another list is none of this one.
+        self.session.unticked.clear();
+        self.accept_question = Some(AcceptQuestion::Stretch(stretch));
+        self.session.dialog = Some(Dialog::AcceptAll);
+    }
+
+    /// The selected frames as they are now: those on the paint, and the others by their reasons.
+    fn count_stretch(&mut self) -> Option<Stretch> {
+        let places: Vec<usize> = self.session.frames_selected.iter().copied().collect();
+        let mut stretch = Stretch::new(self.open.as_ref()?.document.frames.clone());
+        for place in places {
+            let field = self.open.as_mut()?.field_of(place).ok();
+            let frame = self.open.as_ref()?.frame(place)?;
+            if frame.status == FrameStatus::Reference {
+                stretch.pass_over_accepted();
+            } else if let Some(reason) = self.why_left(frame, place, field.as_deref()) {
+                stretch.leave(place, reason);
+            } else {
+                let open = self.open.as_mut()?;
+                let disagreements = open.derived.disagreements(&open.document);
+                stretch.take(place, disagreements.for_frame(place));
+            }
+        }
+        Some(stretch)
+    }
+
+    /// Why a frame is not accepted together with others; none where the paint in its picture agrees
+    /// with its camera and nothing else speaks against it.
+    fn why_left(
+        &self,
+        frame: &Frame,
+        place: usize,
+        field: Option<&FieldModel>,
+    ) -> Option<LeftReason> {
+        // The first reason counts; `LeftReason` has the order in which they are listed.
+        let document = &self.open.as_ref()?.document;
+        if frame.status == FrameStatus::Rejected {
+            return Some(LeftReason::Rejected);
+        }
+        if document.ptz_camera(frame).is_none() {
+            return Some(LeftReason::NoCamera);
+        }
+        if impossible_camera(document, frame, field).is_some() {
+            return Some(LeftReason::Impossible);
+        }
+        let says = self.own_paint_says(place).map(|says| says.verdict);
+        if says == Some(LineVerdict::Contradicts) {
+            return Some(LeftReason::OffPaint);
+        }
+        if frame.unnamed_click().is_some() {
+            return Some(LeftReason::UnnamedPoint);
+        }
+        if frame.is_judged_wrong() {
+            return Some(LeftReason::PointsDisagree);
+        }
+        if frame.unlikely().is_some() {
+            return Some(LeftReason::Unlikely);
+        }
+        match says {
+            Some(LineVerdict::Supports) => None,
+            Some(_) => Some(LeftReason::PaintUndecided),
+            None => Some(LeftReason::NotChecked),
+        }
+    }
 }

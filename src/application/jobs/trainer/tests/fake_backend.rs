@@ -1,8 +1,9 @@
 //! The backend that the test controls: each piece of work waits until the test says how it ends.
 
 use crate::app::TrainerActivity;
-use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel, TrainerError};
-use crate::jobs::trainer::kept_forest::KeptForestError;
+use crate::jobs::trainer::backend::{
+    Backend, ForestAccuracy, KeptForestError, TrainedModel, TrainerError,
+};
 use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;

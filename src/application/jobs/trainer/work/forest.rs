@@ -7,7 +7,7 @@
 use super::{Work, catch_panic};
 use crate::app::{ForestFacts, TrainerStatus};
 use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel};
-use crate::jobs::trainer::watch::{StopCondition, Watch};
+use crate::jobs::trainer::mailbox::{StopCondition, Watch};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{Coverage, Quality, TrainingSet};

@@ -1,7 +1,7 @@
 //! The loop of the trainer's thread: chooses the next step by priority, does it, and repeats.
 //!
 //! [`Work::next`] says which step comes next; the page of the module ([`super`]) lists them. A step
-//! is short (four frames) or ends early when its [`Watch`](super::watch::Watch) says so, so that
+//! is short (four frames) or ends early when its [`Watch`](super::mailbox::Watch) says so, so that
 //! new orders take effect soon. A panic within a step becomes `trouble` in the status.
 //!
 //! | file | steps |
@@ -15,9 +15,8 @@ mod proposals;
 use self::forest::Forest;
 use self::proposals::Queue;
 use super::TrainerOptions;
-use super::answer_cache::{AnswerCache, ForestQuerySettings};
+use super::answer_cache::{AnswerCache, ForestQuerySettings, GivenAnswers};
 use super::backend::Backend;
-use super::given_answers::GivenAnswers;
 use super::mailbox::{Orders, TrainerMailbox};
 use super::windows::Windows;
 use crate::app::{AnswerKey, TrainerActivity, TrainerStatus};

@@ -8,7 +8,7 @@ use crate::app::TrainerActivity;
 use crate::jobs::panic_message;
 use crate::jobs::trainer::answer_cache::ForestQuerySettings;
 use crate::jobs::trainer::backend::Backend;
-use crate::jobs::trainer::watch::{StopCondition, Watch};
+use crate::jobs::trainer::mailbox::{StopCondition, Watch};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -14,7 +14,6 @@ use crate::autocalibrate::frames::matched_frames::{FramesAtScale, PaintPoint};
 use crate::autocalibrate::frames::rotations_by_focal_scale::RotationsByFocalScale;
 use nalgebra::{SMatrix, SVector};
 use std::collections::{BTreeMap, BTreeSet};
-use touchline_core::field::FieldElement;
 use touchline_core::geometry::{Vec3, subsample};
 use touchline_core::solve::{BlockEquations, Linearised, Loss, Problem, Residual};
 use touchline_vision::track::RelativeRotations;
@@ -210,10 +209,6 @@ impl Correspondence {
 impl Residual<1, 0, NUM_PARAMETERS> for Correspondence {
     type State = Parameters;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         self.paint.sigma
     }
@@ -242,11 +237,7 @@ impl Residual<1, 0, NUM_PARAMETERS> for Correspondence {
         for (index, line_by) in self.line_by_field.iter().enumerate() {
             by_own[CROWN + index] = -(by_position * line_by)[0];
         }
-        Some(Linearised {
-            value: by_pose.value,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(by_pose.value, by_own))
     }
 }
 

@@ -8,7 +8,7 @@ use super::super::pose::{PanoramaPose, UPRIGHT_SIGMA};
 use crate::autocalibrate::field_prior::{FieldPrior, OpenLength};
 use crate::autocalibrate::frames::rotations_by_focal_scale::FocalScale;
 use nalgebra::{SMatrix, SVector, Vector1};
-use touchline_core::field::{FieldElement, FieldModel};
+use touchline_core::field::FieldModel;
 use touchline_core::solve::base::BasePriors;
 use touchline_core::solve::{Linearised, Loss, Residual};
 
@@ -151,10 +151,6 @@ impl Prior {
 impl Residual<1, 0, NUM_PARAMETERS> for Prior {
     type State = Parameters;
 
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
     fn sigma(&self) -> f64 {
         self.sigma
     }
@@ -166,11 +162,7 @@ impl Residual<1, 0, NUM_PARAMETERS> for Prior {
     fn linearise(&self, at: &Parameters) -> Option<Linearised<1, 0, NUM_PARAMETERS>> {
         let mut by_own = SMatrix::<f64, 1, NUM_PARAMETERS>::zeros();
         by_own[self.parameter] = 1.0;
-        Some(Linearised {
-            value: self.value(at)?,
-            by_shared: SMatrix::zeros(),
-            by_own,
-        })
+        Some(Linearised::without_shared(self.value(at)?, by_own))
     }
 
     fn loss(&self, _: Loss) -> Loss {

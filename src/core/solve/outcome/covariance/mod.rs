@@ -15,18 +15,16 @@
 //! is still drawn with the nominal base. The lines then miss the points that were clicked (with 0.5
 //! m of base error by 8–16 px instead of 3–6 px). It is therefore not used.
 
-mod four_points;
 mod overlay;
 
-use crate::camera::{PtzCamera, SHARED_COLUMNS};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-use crate::solve::{Observation, PtzPrior, SolveError};
-use four_points::covariance_in_degrees;
-pub use four_points::{UNSTATED_PX, covariance_in_radians, covariance_of_four_points};
-use nalgebra::{Matrix2x3, SMatrix};
 pub use overlay::CornerSigma;
-use overlay::all_over;
 pub(in crate::solve) use overlay::{OverlayPoint, corners};
+
+use crate::camera::{CameraBase, FocalCurve, PtzCamera, SHARED_COLUMNS};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::solve::{Observation, PtzPrior, SolveError};
+use nalgebra::{Matrix2x3, SMatrix};
+use overlay::all_over;
 
 /// Normal equations worse conditioned than this, in (rad, rad, log f), leave a direction open.
 const MAX_CONDITION: f64 = 1e12;
@@ -133,14 +131,12 @@ impl Uncertainty {
     }
 
     /// Covariance of (pan rad, tilt rad, focal px), the base's part included.
-    #[must_use]
     pub fn ptz_covariance(&self) -> Mat3 {
         let by_sigma = self.by_base * self.base_root;
         self.clicks + by_sigma * by_sigma.transpose()
     }
 
     /// Covariance of (pan deg, tilt deg, focal px), as documents hold it.
-    #[must_use]
     pub fn ptz_covariance_deg(&self) -> Mat3 {
         covariance_in_degrees(&self.ptz_covariance())
     }
@@ -148,14 +144,12 @@ impl Uncertainty {
     /// Covariance of (pan deg, tilt deg, focal px) from the frame's own evidence, for an exact
     /// base. Documents store it beside the total, because the base's part cannot be subtracted
     /// afterwards: the difference of two nearly equal matrices is seldom positive definite.
-    #[must_use]
     pub fn own_covariance_deg(&self) -> Mat3 {
         covariance_in_degrees(&self.clicks)
     }
 
     /// The increase of the expected χ² of the given observations that the base's uncertainty
     /// causes: the sum of |(`J_b` − J K) L|² / σ² over the observations.
-    #[must_use]
     pub fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
         if self.base_root.iter().all(|entry| *entry == 0.0) {
             return 0.0;
@@ -185,7 +179,6 @@ impl Uncertainty {
 
     /// The uncertainty after one more landmark click with noise `sigma_px` at a pixel. None where
     /// the pixel has no ray.
-    #[must_use]
     pub fn with_click_at(
         &self,
         camera: &PtzCamera,
@@ -246,6 +239,68 @@ fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveEr
         }
         _ => Err(SolveError::Undetermined { condition }),
     }
+}
+
+/// The accuracy assumed of a camera that states none: that of four points with this 1-σ
+/// ([`covariance_of_four_points`]), px at 1920 px width. Cameras from trained programs typically have
+/// errors of this size.
+pub const UNSTATED_PX: f64 = 4.0;
+
+/// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad,
+/// focal px).
+pub fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
+    let radian = 1f64.to_radians();
+    let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
+    scale * covariance_deg * scale
+}
+
+/// The covariance of (pan rad, tilt rad, focal px) of a camera that is known by four points
+/// half-way to the picture's corners, each to `sigma_px`; the base taken as exact. A lens that has
+/// no rays there is left out of account.
+pub fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Mat3 {
+    // Seen from the origin, a ray is a point at unit distance.
+    let base = camera.base().at_origin();
+    let without_lens = CameraBase {
+        distortion: FocalCurve::NONE,
+        ..base
+    };
+    // Without its lens every pixel has a ray, so that the zeros below, which would state that the
+    // camera is exact, are not reached.
+    [base, without_lens]
+        .into_iter()
+        .find_map(|base| {
+            let camera = PtzCamera::new(base, camera.ptz());
+            covariance_of_rays(&camera, image_size, sigma_px)
+        })
+        .unwrap_or_else(Mat3::zeros)
+}
+
+/// The covariance of a camera at the origin by its rays half-way to the picture's corners; none if
+/// too few of these pixels have a ray.
+fn covariance_of_rays(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Option<Mat3> {
+    // Four pixels half-way from the middle to the corners, and the directions that the camera sees
+    // there.
+    let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+    let points: Vec<Observation> = (0..)
+        .zip(corners)
+        .filter_map(|(number, (x, y))| {
+            let at = image_size
+                .centre()
+                .translate(Vec2::new(x, y).component_mul(&quarter));
+            let ray = camera.ray_from_image(at).ok()?.direction();
+            Some(Observation::from_point(ray, at, sigma_px, number))
+        })
+        .collect();
+    let uncertainty = Uncertainty::from_observations(camera, &points, None).ok()?;
+    Some(uncertainty.clicks)
+}
+
+/// The reverse of [`covariance_in_radians`].
+fn covariance_in_degrees(covariance: &Mat3) -> Mat3 {
+    let degree = 1f64.to_degrees();
+    let scale = Mat3::from_diagonal(&Vec3::new(degree, degree, 1.0));
+    scale * covariance * scale
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 use super::{FAR_M, Uncertainty};
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
-use crate::solve::observations::shared_columns::by_shared;
+use crate::solve::observations::shape::by_shared;
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
 /// The 1-σ of the overlay at the worst corner of a frame, split by cause.
@@ -21,14 +21,12 @@ pub struct CornerSigma {
 
 impl CornerSigma {
     /// The root sum of squares of both parts, px.
-    #[must_use]
     pub fn sigma_px(&self) -> f64 {
         self.clicks_px.hypot(self.base_px)
     }
 
     /// Whether more of the variance comes from the base than from the clicks: further clicks in
     /// this frame gain little.
-    #[must_use]
     pub fn is_from_base(&self) -> bool {
         self.base_px > self.clicks_px
     }
@@ -129,7 +127,6 @@ fn world_point_from_image(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3>
 
 impl Uncertainty {
     /// Covariance (px²) of the overlay at a world point; none where the point has no image.
-    #[must_use]
     pub fn overlay_at_world(
         &self,
         camera: &PtzCamera,
@@ -142,13 +139,11 @@ impl Uncertainty {
 
     /// Covariance (px²) of the overlay at a pixel: at the ground point that it shows, or at a
     /// distant point above the horizon. None beyond the fold of the distortion model.
-    #[must_use]
     pub fn overlay_at(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<Matrix2<f64>> {
         self.overlay_at_world(camera, world_point_from_image(camera, pixel)?)
     }
 
     /// 1-σ of the overlay at a pixel, px: the root of the covariance's trace, an RMS distance.
-    #[must_use]
     pub fn overlay_sigma_px(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<f64> {
         OverlayPoint::at_pixel(camera, pixel).map(|point| self.sigma_px(&point))
     }
@@ -156,13 +151,11 @@ impl Uncertainty {
     /// The largest [`Self::overlay_sigma_px`] of the frame's four corners; a corner beyond the fold
     /// of the distortion model is moved towards the principal point until it has a ray. Infinite
     /// where that gives no corner a ray: nothing is known of such an overlay.
-    #[must_use]
     pub fn worst_corner_sigma_px(&self, camera: &PtzCamera, image_size: ImageSize) -> f64 {
         self.worst_sigma_px(&corners(camera, image_size))
     }
 
     /// The same as documents state it, which cannot express that it is infinite: none then.
-    #[must_use]
     pub fn corner_sigma_px_if_known(
         &self,
         camera: &PtzCamera,
@@ -172,7 +165,6 @@ impl Uncertainty {
     }
 
     /// Where the 1-σ at the frame's worst corner comes from.
-    #[must_use]
     pub fn worst_corner(&self, camera: &PtzCamera, image_size: ImageSize) -> Option<CornerSigma> {
         let corners = image_size
             .corners()

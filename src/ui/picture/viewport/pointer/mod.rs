@@ -4,19 +4,17 @@
 //! both seen. What the pointer holds is state of the window ([`DragTarget`]); the clicks themselves
 //! belong to the application and change only by [`PointerAction`]s.
 
-mod drag_target;
 mod reading;
 #[cfg(test)]
 mod tests;
 
 use crate::ui::drawing::placement::Placement;
-pub use drag_target::DragTarget;
-use egui::{Event, Modifiers, Pos2};
+use egui::{Event, Modifiers, PointerButton, Pos2};
 use reading::Reading;
 use touchline_application::app::session::Mode;
 use touchline_application::app::{Action, Tool};
 use touchline_application::scene::drawn_element::{DrawnElement, ElementReach};
-use touchline_core::geometry::ImagePoint;
+use touchline_core::geometry::{ImagePoint, PixelBox};
 
 /// Distance within which a press grabs a click, points.
 pub const REACH_PT: f32 = 8.0;
@@ -137,4 +135,58 @@ fn click_at(placement: &Placement, clicks: &[ImagePoint], at: Pos2) -> Option<us
         .filter(|(_, distance)| *distance <= REACH_PT)
         .min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(index, _)| index)
+}
+
+/// What the pointer holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum DragTarget {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// A click of the frame, existing or new.
+    Click {
+        /// Where the click is, px of the picture. It keeps its offset from the pointer.
+        at: ImagePoint,
+        /// Where the pointer went down.
+        pressed: Pos2,
+        /// Whether the pointer has moved far enough for a drag.
+        moving: bool,
+    },
+    /// The picture, by this button.
+    Picture(PointerButton),
+    /// A mask that is being drawn.
+    Mask {
+        /// The corner where it began, px of the picture.
+        from: ImagePoint,
+        /// The corner under the pointer, px of the picture.
+        to: ImagePoint,
+        /// Whether the mask is for every frame of the camera.
+        of_camera: bool,
+    },
+}
+
+impl DragTarget {
+    /// The mask that is being drawn, and whether it is for every frame of the camera.
+    pub fn mask(&self) -> Option<(bool, PixelBox)> {
+        let Self::Mask {
+            from,
+            to,
+            of_camera,
+        } = self
+        else {
+            return None;
+        };
+        // The corners may have been drawn in any direction; a box has its upper left corner and
+        // positive sides.
+        let (x, y) = (from.x.min(to.x), from.y.min(to.y));
+        Some((
+            *of_camera,
+            PixelBox {
+                x,
+                y,
+                width: (from.x - to.x).abs(),
+                height: (from.y - to.y).abs(),
+            },
+        ))
+    }
 }

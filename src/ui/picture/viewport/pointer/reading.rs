@@ -2,8 +2,7 @@
 //! drags, and drags become actions.
 
 use super::super::wheel::Gesture;
-use super::drag_target::DragTarget;
-use super::{FINE, Pointer, SLACK_PT, Surroundings, click_to_grab};
+use super::{DragTarget, FINE, Pointer, SLACK_PT, Surroundings, click_to_grab};
 use crate::ui::drawing::placement::Placement;
 use egui::{Event, Modifiers, PointerButton, Pos2};
 use touchline_application::app::session::{Mode, PictureView};

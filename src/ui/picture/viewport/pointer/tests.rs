@@ -1,8 +1,7 @@
 //! Presses, drags and releases, as the window sends them.
 
 use super::*;
-use egui::PointerButton;
-use egui::{Rect, pos2, vec2};
+use egui::{PointerButton, Rect, pos2, vec2};
 use touchline_application::app::session::PictureView;
 use touchline_application::app::{EditAction, PointerAction, ViewAction};
 use touchline_core::testing::SIZE;

@@ -5,11 +5,9 @@
 //! directions. A point that disagrees in [`STRIKES`] frames is taken to move in the scene, and the
 //! march leaves it out from then on.
 
-use super::super::super::pose_prior::apply_offset;
-use super::super::camera::ClipCamera;
-use super::super::{PointTrack, PointTracks};
-use super::one_frame::{Correspondence, KnownFocal, OneFrame};
-use super::{PropagateOptions, PropagationStop};
+use super::super::super::pose_problem::apply_offset;
+use super::super::{ClipCamera, PointTrack, PointTracks};
+use super::{Correspondence, KnownFocal, OneFrame, PropagateOptions, PropagationStop};
 use crate::features::count_cells;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3, median};

@@ -109,7 +109,6 @@ fn check_column<const ROWS: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::FieldElement;
     use crate::solve::Linearised;
     use nalgebra::{Matrix1, Vector1};
 
@@ -120,10 +119,6 @@ mod tests {
 
     impl Residual<1, 0, 1> for Square {
         type State = f64;
-
-        fn element(&self) -> Option<FieldElement> {
-            None
-        }
 
         fn sigma(&self) -> f64 {
             1.0
