@@ -1,7 +1,7 @@
 //! A frame's camera as exchange formats store it: one rotation, one centre and one lens, without a
 //! base and pan and tilt.
 
-use crate::document::{FrameStatus, SolutionSource};
+use crate::document::{FrameStatus, Ground, SolutionSource};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
 use touchline_core::geometry::rotation::{
     ROTATION_TOLERANCE, distance_from_rotation, nearest_rotation,
@@ -100,6 +100,8 @@ pub struct Record {
     pub rms_px: Option<f64>,
     /// 0 to 1.
     pub confidence: Option<f64>,
+    /// What it is good for on the ground, for formats that state it.
+    pub ground: Option<Ground>,
     /// Clicks on landmarks, by name, in px of the picture as it is written; held-out points are not
     /// included.
     pub clicks: Vec<(String, ImagePoint)>,

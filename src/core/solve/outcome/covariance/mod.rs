@@ -16,6 +16,7 @@
 //! m of base error by 8–16 px instead of 3–6 px). It is therefore not used.
 
 mod four_points;
+mod ground;
 mod overlay;
 
 use crate::camera::{PtzCamera, SHARED_COLUMNS};
@@ -24,6 +25,7 @@ use crate::solve::{Observation, PtzPrior, SolveError};
 use four_points::covariance_in_degrees;
 pub use four_points::{UNSTATED_PX, covariance_in_radians, covariance_of_four_points};
 use nalgebra::{Matrix2x3, SMatrix};
+pub use ground::GroundError;
 pub use overlay::CornerSigma;
 use overlay::all_over;
 pub(in crate::solve) use overlay::{OverlayPoint, corners};

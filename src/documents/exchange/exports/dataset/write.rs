@@ -97,7 +97,8 @@ pub fn write_dataset(
     for (name, bytes) in &templates {
         files.write(name, bytes)?;
     }
-    let original = document.into_dataset();
+    let mut original = document.into_dataset();
+    original.state_ground(at.ground_of_frames()?);
     let chosen = chosen(&original, &written.of_frame);
     // Templates are copies in the dataset, and their paths start from its folder. So the fields of
     // `chosen` can be loaded from there alone, and their paths are not relocated.
