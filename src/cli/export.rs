@@ -483,8 +483,7 @@ mod tests {
         ];
         // And these to `--points`, whose layouts refuse what they do not take.
         let of_points = ["points", "layout", "model", "min_probability"];
-        let declared: Vec<String> = FormatOption::ALL
-            .iter()
+        let declared: Vec<String> = FormatOption::all()
             .map(|option| option.name().replace('-', "_"))
             .collect();
         let commands = [
