@@ -205,3 +205,129 @@ fn nearest_in_time(clip: &[Known], wanted_s: f64) -> Option<&Known> {
             away(a).total_cmp(&away(b))
         })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Camera, Solution, VideoFrame};
+    use crate::testing::{new_frame, ptz_at, soccer_document};
+    use std::path::Path;
+    use touchline_core::camera::{BaseSigma, CameraBase};
+    use touchline_core::solve::covariance_of_four_points;
+    use touchline_core::testing::{SIZE, base_at};
+
+    /// A clip of three seconds that pans; every frame is known like four points with this σ (px),
+    /// the camera's place to `place_m`.
+    fn clip(sigma_px: f64, place_m: f64) -> Document {
+        let mut document = soccer_document();
+        let mut camera = Camera::new("main".into(), SIZE);
+        let sigma = BaseSigma {
+            position_m: Vec3::repeat(place_m),
+            ..BaseSigma::default()
+        };
+        let base = base_at([0.0, -60.0, 18.0], SIZE);
+        camera.set_base(&CameraBase { sigma, ..base });
+        document.cameras.push(camera.into());
+        for index in 0..76_u32 {
+            let mut frame = new_frame("1.jpg", SIZE);
+            frame.image = None;
+            frame.id = format!("{index}").as_str().into();
+            frame.video = Some(VideoFrame::new(
+                "a.mp4",
+                u64::from(index),
+                Some(f64::from(index) * 0.04),
+            ));
+            frame.status = FrameStatus::Suggested;
+            frame.ptz = ptz_at(f64::from(index) * 0.1 - 4.0, -14.0, 2000.0);
+            let camera = document.cameras[0].ptz_camera(&frame).unwrap();
+            let own = covariance_of_four_points(&camera, SIZE, sigma_px);
+            let known = Uncertainty::from_covariance(&camera, own, SIZE).unwrap();
+            frame.solution = Some(Solution {
+                covariance: Some(known.ptz_covariance_deg()),
+                own_covariance: Some(known.own_covariance_deg()),
+                ..Solution::default()
+            });
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    fn grounds(document: &Document) -> Vec<Option<Ground>> {
+        document.at(Path::new("")).ground_of_frames().unwrap()
+    }
+
+    /// The grade of the frame in the middle of a clip.
+    fn grade(document: &Document) -> GroundGrade {
+        grounds(document)[38].as_ref().unwrap().grade
+    }
+
+    #[test]
+    fn what_frames_share_costs_a_map_and_no_speed() {
+        assert_eq!(grade(&clip(0.2, 0.0)), GroundGrade::Speed);
+        assert_eq!(grade(&clip(0.2, 0.15)), GroundGrade::Speed, "a common error");
+        assert_eq!(grade(&clip(3.0, 0.0)), GroundGrade::Map, "errors of each frame");
+        assert_eq!(grade(&clip(0.2, 3.0)), GroundGrade::None);
+        assert_eq!(grade(&clip(40.0, 0.0)), GroundGrade::None);
+        let [alone, shared] = [0.0, 0.15].map(|place_m| {
+            let ground = grounds(&clip(0.2, place_m)).swap_remove(38).unwrap();
+            ground.sigma_m.unwrap()
+        });
+        assert!(shared > 2.0 * alone, "{shared} {alone}");
+    }
+
+    #[test]
+    fn a_grade_needs_times_uncertainty_and_belief() {
+        let good = clip(0.2, 0.0);
+        let changed = |change: &dyn Fn(&mut Frame)| {
+            let mut document = good.clone();
+            for frame in &mut document.frames {
+                change(frame);
+            }
+            document
+        };
+        let without_times = changed(&|frame| {
+            let number = frame.video_frame_index().unwrap();
+            frame.video = Some(VideoFrame::new("a.mp4", number, None));
+        });
+        assert_eq!(grade(&without_times), GroundGrade::Map);
+        // A second has only its end in another clip.
+        let cut = changed(&|frame| {
+            let number = frame.video_frame_index().unwrap();
+            frame.clip = Some(Clip::Number(i64::from(number > 45)));
+        });
+        assert_eq!(grade(&cut), GroundGrade::Speed, "the second before it");
+        let short = changed(&|frame| {
+            let number = frame.video_frame_index().unwrap();
+            frame.clip = Some(Clip::Number(number as i64 / 10));
+        });
+        assert_eq!(grade(&short), GroundGrade::Map);
+        let doubted = changed(&|frame| frame.solution.as_mut().unwrap().confidence = Some(0.6));
+        assert_eq!(grade(&doubted), GroundGrade::None);
+        let accepted = changed(&|frame| {
+            frame.solution.as_mut().unwrap().confidence = Some(0.6);
+            frame.status = FrameStatus::Reference;
+        });
+        assert_eq!(grade(&accepted), GroundGrade::Speed);
+        let imported = changed(&|frame| frame.solution = None);
+        let ground = grounds(&imported).swap_remove(38).unwrap();
+        assert_eq!((ground.grade, ground.sigma_m), (GroundGrade::None, None));
+        assert!(ground.visible_area_m.len() >= 4, "it follows from the camera alone");
+        let rejected = changed(&|frame| frame.status = FrameStatus::Rejected);
+        assert!(grounds(&rejected).iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn a_dataset_states_it_and_a_second_one_states_it_anew() {
+        let mut document = clip(0.2, 0.0);
+        let dataset = document.at(Path::new("")).to_dataset().unwrap();
+        let stated = |document: &Document| document.frames[38].solution.clone().unwrap().ground;
+        assert_eq!(stated(&dataset).unwrap().grade, GroundGrade::Speed);
+        let text = crate::document::document_to_string(&dataset).unwrap();
+        let again = crate::document::document_from_bytes(text.as_bytes()).unwrap();
+        assert_eq!(again, dataset);
+        document = dataset;
+        document.frames[38].status = FrameStatus::Rejected;
+        let dataset = document.at(Path::new("")).to_dataset().unwrap();
+        assert_eq!(stated(&dataset), None);
+    }
+}

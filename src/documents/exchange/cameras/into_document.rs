@@ -192,7 +192,7 @@ pub(in crate::exchange) fn unsolved_frame(
 }
 
 /// Groups of frames (by index) that may share a camera: equal position, camera name and size.
-fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
+pub(super) fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     // A hash grid of the groups' first frames, with cells of the tolerance's size, because a data
     // set may have a different position for every frame. Frames within the tolerance lie in
