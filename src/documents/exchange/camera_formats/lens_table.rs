@@ -187,7 +187,7 @@ mod tests {
             ("FocalLength\n0\n", "line 2: FocalLength is 0, which must be a length above 0, mm"),
             ("FocalLength\n1/0\n", "line 2: FocalLength is inf, which must be a length above 0, mm"),
             ("Timecode\n18\n", "the column Focal Length (mm) or FocalLength is missing"),
-            ("FocalLength\n", "the file is empty"),
+            ("", "the file is empty"),
         ] {
             let error = read(text, None).unwrap_err().to_string();
             assert_eq!(error, format!("A001.csv: {wanted}"), "{text}");

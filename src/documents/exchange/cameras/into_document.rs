@@ -13,7 +13,7 @@ use touchline_core::score::PlaneView;
 use touchline_core::solve::{PlanePoseError, UNSTATED_PX, pose_from_plane};
 
 /// Frames whose centres of projection differ by at most this may share a camera, m.
-const SAME_PLACE_M: f64 = 1e-6;
+pub(super) const SAME_PLACE_M: f64 = 1e-6;
 /// The minimum spread of pans that determines the pan axis: the second smallest eigenvalue of the
 /// mean of x xᵀ over the frames' x axes.
 const MIN_PAN_SPREAD: f64 = 1e-6;

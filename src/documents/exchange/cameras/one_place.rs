@@ -6,7 +6,7 @@
 //! show the same point in the middle as before: what is left is a parallax of hundredths of a
 //! pixel, which the import states.
 
-use super::into_document::{View, group_by_position};
+use super::into_document::{SAME_PLACE_M, View, group_by_position};
 use nalgebra::Rotation3;
 use touchline_core::geometry::Vec3;
 
@@ -21,7 +21,9 @@ const AWAY_M: f64 = 60.0;
 pub fn put_on_one_place(views: &mut [View]) {
     for group in group_by_position(views, WAVER_M) {
         let first = views[group[0]].2.position_m;
-        if group.iter().all(|&index| views[index].2.position_m == first) {
+        // What rounding alone leaves is no wavering, and such cameras keep their last digits.
+        let is_exact = |&index: &usize| (views[index].2.position_m - first).amax() <= SAME_PLACE_M;
+        if group.iter().all(is_exact) {
             continue;
         }
         let offsets = group.iter().map(|&index| views[index].2.position_m - first);
@@ -42,9 +44,9 @@ fn move_to((_, _, view): &mut View, place_m: Vec3) {
         AWAY_M
     };
     let point = view.position_m + axis * away_m;
-    if let Some(turn) = Rotation3::rotation_between(&(point - place_m), &axis) {
-        view.cam_from_world *= turn.matrix();
-    }
+    // The vector product of two unit vectors is the turn itself as long as it is small.
+    let turn = (point - place_m).normalize().cross(&axis);
+    view.cam_from_world *= Rotation3::new(turn).matrix();
     view.position_m = place_m;
 }
 

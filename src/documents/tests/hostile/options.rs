@@ -126,6 +126,7 @@ fn set_reading(option: FormatOption, options: &mut ImportOptions) {
         }
         FormatOption::Zoom => options.zoom = Some(Zoom::Table(vec![(0.0, 1e3), (1e4, 9e4)])),
         FormatOption::SensorMm => options.sensor_width_mm = Some(7.0),
+        FormatOption::Undistorted => options.undistorted = true,
         FormatOption::Template => options.homographies.plan = Some(GroundPlan::CornerMetres),
         FormatOption::Direction => {
             options.homographies.direction = Some(MatrixDirection::ImageFromPitch);

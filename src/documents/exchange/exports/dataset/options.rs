@@ -1,5 +1,6 @@
 //! Options of a dataset.
 
+use image::ImageFormat;
 use crate::document::FrameStatus;
 use crate::exchange::options::FrameChoice;
 
@@ -90,6 +91,14 @@ impl PictureFormat {
         match self {
             Self::Png => "png",
             Self::Jpeg => "jpg",
+        }
+    }
+
+    /// The same for the encoder.
+    pub(super) const fn image_format(self) -> ImageFormat {
+        match self {
+            Self::Png => ImageFormat::Png,
+            Self::Jpeg => ImageFormat::Jpeg,
         }
     }
 

@@ -291,7 +291,7 @@ fn write_pictures(
         }
         (Some(name), Source::Decoded(_), Some(pixels)) => {
             hashes.picture =
-                Some(files.write(name, &encode_picture(pixels, options.picture_format)?)?);
+                Some(files.write(name, &encode_picture(pixels, options.picture_format.image_format())?)?);
         }
         _ => {}
     }
@@ -300,7 +300,7 @@ fn write_pictures(
     {
         let straight = undistort_picture(pixels, &camera)?;
         hashes.undistorted =
-            Some(files.write(name, &encode_picture(&straight, options.picture_format)?)?);
+            Some(files.write(name, &encode_picture(&straight, options.picture_format.image_format())?)?);
     }
     Ok(Ok(hashes))
 }
