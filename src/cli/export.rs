@@ -367,7 +367,10 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     };
     // A complete JSON export is the document itself and needs no conversion.
     if format == Format::Json && frames == FrameChoice::default() {
-        output.write(document.at(location.folder()).to_dataset()?, location.folder())?;
+        output.write(
+            document.at(location.folder()).to_dataset()?,
+            location.folder(),
+        )?;
         return Ok(Outcome::Done);
     }
     let options = ExportOptions {

@@ -14,8 +14,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use touchline::document::{Document, FieldSpec, document_from_bytes, document_to_string};
 use touchline::exchange::{
-    ExchangeError, Format, GroundPlan, HomographyOptions, ImportOptions, Imported,
-    MatrixDirection, PointModel, import,
+    ExchangeError, Format, GroundPlan, HomographyOptions, ImportOptions, Imported, MatrixDirection,
+    PointModel, import,
 };
 use touchline::geometry::{ImageSize, Vec3};
 use touchline_documents::exchange::{PointLayout, import_points};
@@ -67,10 +67,26 @@ fn originals() -> Vec<Original> {
         min_probability: 0.0,
     };
     vec![
-        of("opentrackio-recommended_static.json", Format::OpenTrackIo, undistorted.clone()),
-        of("opentrackio-recommended_dynamic.json", Format::OpenTrackIo, undistorted.clone()),
-        of("opentrackio-complete_static.json", Format::OpenTrackIo, undistorted.clone()),
-        of("opentrackio-complete_dynamic.json", Format::OpenTrackIo, undistorted.clone()),
+        of(
+            "opentrackio-recommended_static.json",
+            Format::OpenTrackIo,
+            undistorted.clone(),
+        ),
+        of(
+            "opentrackio-recommended_dynamic.json",
+            Format::OpenTrackIo,
+            undistorted.clone(),
+        ),
+        of(
+            "opentrackio-complete_static.json",
+            Format::OpenTrackIo,
+            undistorted.clone(),
+        ),
+        of(
+            "opentrackio-complete_dynamic.json",
+            Format::OpenTrackIo,
+            undistorted.clone(),
+        ),
         of(
             "basketball-deepsport-val.json",
             Format::DeepSport,
@@ -87,11 +103,23 @@ fn originals() -> Vec<Original> {
                 ..homographies(GroundPlan::ShuttleSet)
             },
         ),
-        of("basketball-osu-M1.npy", Format::Homographies, homographies(GroundPlan::CornerMetres)),
+        of(
+            "basketball-osu-M1.npy",
+            Format::Homographies,
+            homographies(GroundPlan::CornerMetres),
+        ),
         of("lens-canon-frames.csv", Format::Lens, hd.clone()),
         of("lens-venice-frames.csv", Format::Lens, undistorted),
-        of("soccer-sportslabkit-keypoints.json", Format::Points, hd.clone()),
-        of("soccer-pnlcalib-sn23-test_pred.zip", Format::PnlCalib, ImportOptions::default()),
+        of(
+            "soccer-sportslabkit-keypoints.json",
+            Format::Points,
+            hd.clone(),
+        ),
+        of(
+            "soccer-pnlcalib-sn23-test_pred.zip",
+            Format::PnlCalib,
+            ImportOptions::default(),
+        ),
         Original {
             name: "soccer-pnlcalib-wc14-2d-test_pred.zip",
             read: Read::Points(PointLayout::PnlCalib),
@@ -122,7 +150,9 @@ impl Original {
         let arguments = ["-q", path.to_str()?, "-d", folder.to_str()?];
         let ran = std::process::Command::new("unzip").args(arguments).status();
         ran.ok().filter(std::process::ExitStatus::success)?;
-        let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let files = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path());
         let mut files: Vec<PathBuf> = files.filter(|file| file.is_file()).collect();
         files.sort();
         Some((folder.to_path_buf(), files))
@@ -157,7 +187,10 @@ fn shown(document: &Document) -> BTreeMap<String, String> {
 fn paths(value: &Value, here: &mut Vec<String>, all: &mut Vec<Vec<String>>) {
     all.push(here.clone());
     let inner: Vec<(String, &Value)> = match value {
-        Value::Object(map) => map.iter().map(|(key, value)| (key.clone(), value)).collect(),
+        Value::Object(map) => map
+            .iter()
+            .map(|(key, value)| (key.clone(), value))
+            .collect(),
         Value::Array(items) => items
             .iter()
             .enumerate()

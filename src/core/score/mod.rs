@@ -38,8 +38,9 @@ pub use statistics::Summary;
 pub use {
     camera_error::CameraError, camera_error::horizontal_view, coverage::squared_mahalanobis,
     distribution::median_normal_size, distribution::median_rayleigh, distribution::rayleigh_share,
-    ground::visible_field, ground::visible_outline, landmarks::LandmarkError, landmarks::ground_error_m,
-    landmarks::landmark_errors, marking_match::AnnotatedLine, marking_match::MarkingMatch,
-    marking_match::NamedMatch, marking_match::annotated_lines, overlap::iou_part,
-    overlap::iou_segments, overlap::iou_whole, plane::PlaneView, view::FieldView,
+    ground::visible_field, ground::visible_outline, landmarks::LandmarkError,
+    landmarks::ground_error_m, landmarks::landmark_errors, marking_match::AnnotatedLine,
+    marking_match::MarkingMatch, marking_match::NamedMatch, marking_match::annotated_lines,
+    overlap::iou_part, overlap::iou_segments, overlap::iou_whole, plane::PlaneView,
+    view::FieldView,
 };

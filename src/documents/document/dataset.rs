@@ -36,7 +36,10 @@ impl Document {
     /// has none; `grounds` are in the order of the frames ([`DocumentAt::ground_of_frames`]).
     pub fn state_ground(&mut self, grounds: Vec<Option<Ground>>) {
         for (frame, ground) in self.frames.iter_mut().zip(grounds) {
-            let stated = frame.solution.as_ref().and_then(|known| known.ground.as_ref());
+            let stated = frame
+                .solution
+                .as_ref()
+                .and_then(|known| known.ground.as_ref());
             if stated != ground.as_ref() {
                 frame.solution.get_or_insert_default().ground = ground;
             }

@@ -2,8 +2,8 @@
 
 use super::authors_mat;
 use super::camera_formats::{
-    broadtrack, cdf, chan, colmap, csv_table, deepsport, fifa, freed, homography_files,
-    lens_table, opencv_yaml, opentrackio, soccernet, usda,
+    broadtrack, cdf, chan, colmap, csv_table, deepsport, fifa, freed, homography_files, lens_table,
+    opencv_yaml, opentrackio, soccernet, usda,
 };
 use super::cameras::camera_format::CameraFormat;
 use super::click_formats::clicked_frame::ClickFormat;

@@ -1,6 +1,7 @@
 //! What a frame's camera is good for on the ground, as exports state it.
 
 use super::adapters;
+use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 
 /// What a frame's camera is good for on the ground. A result that exports compute and write; it is
@@ -24,6 +25,9 @@ pub struct Ground {
     /// m); the last is joined to the first. Empty where it shows none.
     #[serde(default)]
     pub visible_area_m: Vec<[f64; 2]>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
 }
 
 /// What places on the ground that are taken from a frame's picture can be used for.

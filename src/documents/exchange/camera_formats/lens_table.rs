@@ -177,16 +177,31 @@ mod tests {
         let text = "Timecode,FocalLength,FocalLength35mm\n0:0,180/10,263/10\n0:1,65535/65535,1\n";
         let frames = read(text, None).unwrap();
         assert!((focal_px(&frames[0]) - 1920.0 * 26.3 / 36.0).abs() < 1e-9);
-        assert!(frames[1].unreadable.is_some(), "the zoom is not known there");
+        assert!(
+            frames[1].unreadable.is_some(),
+            "the zoom is not known there"
+        );
     }
 
     #[test]
     fn a_table_says_what_it_lacks() {
         for (text, wanted) in [
-            ("FocalLength\n18\n", "the width of the sensor is not known; give --sensor-mm"),
-            ("FocalLength\n0\n", "line 2: FocalLength is 0, which must be a length above 0, mm"),
-            ("FocalLength\n1/0\n", "line 2: FocalLength is inf, which must be a length above 0, mm"),
-            ("Timecode\n18\n", "the column Focal Length (mm) or FocalLength is missing"),
+            (
+                "FocalLength\n18\n",
+                "the width of the sensor is not known; give --sensor-mm",
+            ),
+            (
+                "FocalLength\n0\n",
+                "line 2: FocalLength is 0, which must be a length above 0, mm",
+            ),
+            (
+                "FocalLength\n1/0\n",
+                "line 2: FocalLength is inf, which must be a length above 0, mm",
+            ),
+            (
+                "Timecode\n18\n",
+                "the column Focal Length (mm) or FocalLength is missing",
+            ),
             ("", "the file is empty"),
         ] {
             let error = read(text, None).unwrap_err().to_string();

@@ -104,7 +104,11 @@ fn read_object(
     unread: &mut UnreadLabels,
 ) -> Result<LabelledFrame, Problem> {
     let value = parse(bytes)?;
-    let shift_px = reading.options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let shift_px = reading
+        .options
+        .pixels
+        .unwrap_or(Pixels::Corner)
+        .to_corner_px();
     let (mut marks, name) = (Vec::new(), stem(file).to_owned());
     for (label, point) in Node::root(&value).entries()? {
         let read = point.numbers::<2>().map(|[x, y]| {

@@ -159,10 +159,18 @@ fn moved_note(document: &Document, given: &[Pinhole]) -> Option<String> {
         .map(|camera| (&camera.id, &**camera))
         .collect();
     // The document has the cameras that were read in their order.
-    let off_px = document.frames.iter().zip(given).filter_map(|(frame, given)| {
-        let made = cameras.get(&frame.camera)?.ptz_camera(frame)?;
-        Some(corners_off_px(&made, &given.ptz_camera()?, frame.image_size))
-    });
+    let off_px = document
+        .frames
+        .iter()
+        .zip(given)
+        .filter_map(|(frame, given)| {
+            let made = cameras.get(&frame.camera)?.ptz_camera(frame)?;
+            Some(corners_off_px(
+                &made,
+                &given.ptz_camera()?,
+                frame.image_size,
+            ))
+        });
     let seen: Vec<f64> = off_px.filter(|off_px| *off_px > SEEN_PX).collect();
     let worst_px = seen.iter().copied().reduce(f64::max)?;
     Some(format!(

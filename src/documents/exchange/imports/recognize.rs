@@ -249,8 +249,12 @@ fn is_camera(value: &Value) -> bool {
 
 /// Whether an object has a point at each key that is a place on the field.
 fn is_by_places(value: &Value) -> bool {
-    let mut keys = value.as_object().into_iter().flat_map(|object| object.keys());
-    keys.next().is_some_and(|first| place_of_label(first).is_some())
+    let mut keys = value
+        .as_object()
+        .into_iter()
+        .flat_map(|object| object.keys());
+    keys.next()
+        .is_some_and(|first| place_of_label(first).is_some())
         && keys.all(|key| place_of_label(key).is_some())
 }
 

@@ -46,7 +46,11 @@ fn read_picture(
         None => None,
     };
     let own = (reading.sizes)(&name).or(stated);
-    let shift_px = reading.options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let shift_px = reading
+        .options
+        .pixels
+        .unwrap_or(Pixels::Corner)
+        .to_corner_px();
     let mut marks = Vec::new();
     for prediction in root.key("predictions")?.items()? {
         let Some(points) = prediction.find("keypoints") else {
@@ -111,7 +115,10 @@ mod tests {
             sizes: &|_| None,
         };
         let (frames, unread) = read_labels(&RfDetr, &files, &reading).unwrap();
-        assert_eq!((frames[0].name.as_str(), frames[0].size), ("0001", ImageSize::new(1280, 720)));
+        assert_eq!(
+            (frames[0].name.as_str(), frames[0].size),
+            ("0001", ImageSize::new(1280, 720))
+        );
         let labels: Vec<&str> = frames[0].marks.iter().map(|mark| &*mark.label).collect();
         assert_eq!(labels, ["centre_mark", "13"]);
         assert_eq!(frames[0].marks[0].probability, Some(0.9));

@@ -5,7 +5,8 @@ use egui::{ComboBox, DragValue, Ui};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::exchange::{
     Direction, ExportOptions, Format, FormatOption, Gaps, GroundPlan, HomographyOptions,
-    ImportOptions, KeypointNames, LabelMap, MatrixDirection, PointSource, Rate, Recording, Timecode, Zoom,
+    ImportOptions, KeypointNames, LabelMap, MatrixDirection, PointSource, Rate, Recording,
+    Timecode, Zoom,
 };
 
 /// The pages, for the texts that are typed on them.
@@ -174,13 +175,25 @@ fn homographies(ui: &mut Ui, options: &mut HomographyOptions) {
         (MatrixDirection::ImageFromPitch, "field to picture"),
     ];
     ui.horizontal(|ui| {
-        choice(ui, "Plane", "The plane that the matrices map to or from.", &PLANS, &mut options.plan);
+        choice(
+            ui,
+            "Plane",
+            "The plane that the matrices map to or from.",
+            &PLANS,
+            &mut options.plan,
+        );
         let tip = "Where a matrix leads; ShuttleSet's lead to the field.";
         choice(ui, "Direction", tip, &DIRECTIONS, &mut options.direction);
     });
     ui.horizontal(|ui| {
         let tip = "The column of the matrix; open: found by its name.";
-        column(ui, "Matrix column", tip, "homography", &mut options.matrix_column);
+        column(
+            ui,
+            "Matrix column",
+            tip,
+            "homography",
+            &mut options.matrix_column,
+        );
         let tip = "The column of the picture's name; open: found by its name.";
         column(ui, "Name column", tip, "image", &mut options.name_column);
     });
@@ -216,7 +229,10 @@ fn choice<T: Copy + PartialEq>(
         .selected_text(shown.map_or("not stated", |(_, name)| name))
         .show_ui(ui, |ui| {
             for (value, name) in values {
-                if ui.selectable_label(*chosen == Some(*value), *name).clicked() {
+                if ui
+                    .selectable_label(*chosen == Some(*value), *name)
+                    .clicked()
+                {
                     *chosen = Some(*value);
                 }
             }

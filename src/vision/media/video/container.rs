@@ -96,9 +96,15 @@ fn foreign_picture(head: &[u8]) -> Option<&'static str> {
     if head.starts_with(b"%PDF") {
         return Some("PDF");
     }
-    let brand = head.get(8..12).filter(|_| head.get(4..8) == Some(b"ftyp"))?;
+    let brand = head
+        .get(8..12)
+        .filter(|_| head.get(4..8) == Some(b"ftyp"))?;
     let is_picture = BRANDS.contains(&brand);
-    is_picture.then_some(if brand.starts_with(b"av") { "AVIF" } else { "HEIC" })
+    is_picture.then_some(if brand.starts_with(b"av") {
+        "AVIF"
+    } else {
+        "HEIC"
+    })
 }
 
 fn container_by_head(head: &[u8]) -> Option<Container> {

@@ -1,8 +1,8 @@
 //! Options of a dataset.
 
-use image::ImageFormat;
 use crate::document::FrameStatus;
 use crate::exchange::options::FrameChoice;
+use image::ImageFormat;
 
 /// Which frames a dataset contains, and how.
 #[derive(Clone, Debug, PartialEq)]

@@ -290,8 +290,10 @@ fn write_pictures(
             hashes.picture = Some(hash);
         }
         (Some(name), Source::Decoded(_), Some(pixels)) => {
-            hashes.picture =
-                Some(files.write(name, &encode_picture(pixels, options.picture_format.image_format())?)?);
+            hashes.picture = Some(files.write(
+                name,
+                &encode_picture(pixels, options.picture_format.image_format())?,
+            )?);
         }
         _ => {}
     }
@@ -299,8 +301,10 @@ fn write_pictures(
         (&planned.undistorted, &pixels, at.document.ptz_camera(frame))
     {
         let straight = undistort_picture(pixels, &camera)?;
-        hashes.undistorted =
-            Some(files.write(name, &encode_picture(&straight, options.picture_format.image_format())?)?);
+        hashes.undistorted = Some(files.write(
+            name,
+            &encode_picture(&straight, options.picture_format.image_format())?,
+        )?);
     }
     Ok(Ok(hashes))
 }
