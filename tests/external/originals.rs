@@ -184,7 +184,7 @@ fn points_named_by_their_place_are_landmarks_and_lines() {
     let clicks = &document.frames[0].clicks;
     assert_eq!((document.frames.len(), clicks.len()), (1, 65), "{said}");
     let on_lines = clicks.iter().filter(|click| click.is_on_line()).count();
-    assert_eq!(on_lines, 32, "between the corners and the halfway line");
+    assert_eq!(on_lines, 36, "between the corners and the halfway line");
     let named = |name: &str| {
         let mut clicks = clicks.iter();
         let found = clicks.find(|click| click.target.as_ref().is_some_and(|t| t.as_str() == name));

@@ -12,7 +12,7 @@ const POINTS_PER_EDGE: u32 = 64;
 /// The visible radius, as a fraction of the radius at which the distortion model folds.
 const FOLD_SHARE: f64 = 1.0 - 1e-6;
 
-/// How far an outline may be off that is thinned out, m.
+/// How far an outline may be off that is simplified, m.
 const OUTLINE_M: f64 = 0.05;
 
 /// The corners of the field on the plane z = 0, m.
@@ -93,14 +93,14 @@ pub fn visible_outline(field: &FieldModel, camera: &PtzCamera, size: ImageSize) 
     };
     // Closed, and opened again at the end: the first point always stays.
     ring.extend(ring.first().copied());
-    let mut kept = thin(&ring);
+    let mut kept = simplify(&ring);
     kept.pop();
     kept
 }
 
 /// The points of a line without those near the straight line between others (Ramer 1972; Douglas
 /// and Peucker 1973).
-fn thin(line: &[Vec2]) -> Vec<Vec2> {
+fn simplify(line: &[Vec2]) -> Vec<Vec2> {
     let (Some(first), Some(last)) = (line.first(), line.last()) else {
         return Vec::new();
     };
@@ -117,9 +117,9 @@ fn thin(line: &[Vec2]) -> Vec<Vec2> {
     let distances = line.iter().map(away_m).enumerate();
     match distances.max_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((at, away_m)) if away_m > OUTLINE_M => {
-            let mut kept = thin(&line[..=at]);
+            let mut kept = simplify(&line[..=at]);
             kept.pop();
-            kept.extend(thin(&line[at..]));
+            kept.extend(simplify(&line[at..]));
             kept
         }
         _ => vec![*first, *last],

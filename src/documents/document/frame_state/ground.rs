@@ -62,7 +62,7 @@ fn ground_of_frames(document: &Document, fields: &Fields) -> Vec<Option<Ground>>
         .frames
         .par_iter()
         .enumerate()
-        .map(|(index, frame)| known_of(document, frame, index))
+        .map(|(index, frame)| find_known(document, frame, index))
         .collect();
     let mut clips: BTreeMap<_, Vec<Known>> = BTreeMap::new();
     for one in known.into_iter().flatten() {
@@ -99,7 +99,7 @@ fn compare_times(one: Option<f64>, other: Option<f64>) -> std::cmp::Ordering {
 }
 
 /// A frame's camera and what is known of its error; none where it has none.
-fn known_of(document: &Document, frame: &Frame, index: usize) -> Option<Known> {
+fn find_known(document: &Document, frame: &Frame, index: usize) -> Option<Known> {
     let camera = document.ptz_camera(frame)?;
     if frame.status == FrameStatus::Rejected {
         return None;

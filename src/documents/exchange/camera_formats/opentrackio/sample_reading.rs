@@ -101,7 +101,7 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
         let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
         // Each transform is in the axes of the one before: a crane, its arm, its head.
         place += rotation * Vec3::from(t.numbers_at(["x", "y", "z"])?);
-        rotation *= world_from_body(r.numbers_at(["pan", "tilt", "roll"])?);
+        rotation *= world_from_body(r.angles_at(["pan", "tilt", "roll"])?);
     }
     Ok((rotation, place))
 }
