@@ -15,8 +15,8 @@ use touchline_core::testing::ground_landmarks;
 use touchline_core::testing::seeded::{self, normal};
 use touchline_documents::testing::{load, save};
 
-/// Three seconds.
-const FRAMES: usize = 76;
+/// Two seconds.
+const FRAMES: usize = 52;
 const STEP_S: f64 = 0.04;
 const SIZE: ImageSize = ImageSize::new(640, 360);
 

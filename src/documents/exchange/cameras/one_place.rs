@@ -34,7 +34,7 @@ pub fn put_on_one_place(views: &mut [View]) {
     }
 }
 
-/// Moves a camera, and turns it to show the same point in the middle.
+/// Moves a camera, and aims it at the point that it showed in the middle.
 fn move_to((_, _, view): &mut View, place_m: Vec3) {
     let axis = view.cam_from_world.row(2).transpose();
     let to_ground_m = -view.position_m.z / axis.z;

@@ -188,7 +188,7 @@ impl<'a> Node<'a> {
     /// The angles under some keys, degrees.
     ///
     /// # Errors
-    /// One of them is missing, or is ten turns or more, which is no angle but a damaged number.
+    /// One of them is missing, or is beyond 3,600°, which is no angle but a damaged number.
     pub fn angles_at<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N], Problem> {
         const MOST_DEG: f64 = 3600.0;
         let angles = self.numbers_at(keys)?;

@@ -28,7 +28,7 @@ impl Uncertainty {
     #[must_use]
     pub fn ground_error(&self, camera: &PtzCamera, point_in_world: Vec3) -> Option<GroundError> {
         let point = OverlayPoint::at_world(camera, point_in_world)?;
-        let ground_by_image = point.by_ground.try_inverse()?;
+        let ground_by_image = point.image_by_ground.try_inverse()?;
         let by_ptz = ground_by_image * point.by_ptz;
         Some(GroundError {
             own: by_ptz * self.clicks * by_ptz.transpose(),

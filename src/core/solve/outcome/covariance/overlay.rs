@@ -39,8 +39,8 @@ impl CornerSigma {
 pub(in crate::solve) struct OverlayPoint {
     pub(super) by_ptz: Matrix2x3<f64>,
     pub(super) by_base: SMatrix<f64, 2, SHARED_COLUMNS>,
-    /// By the point's own x and y in `world`, px/m.
-    pub(super) by_ground: Matrix2<f64>,
+    /// The pixel by the point's own x and y in `world`, px/m.
+    pub(super) image_by_ground: Matrix2<f64>,
 }
 
 impl OverlayPoint {
@@ -59,7 +59,7 @@ impl OverlayPoint {
         Some(Self {
             by_ptz: here.by_ptz,
             by_base,
-            by_ground: here.by_world.fixed_columns::<2>(0).into_owned(),
+            image_by_ground: here.by_world.fixed_columns::<2>(0).into_owned(),
         })
     }
 
