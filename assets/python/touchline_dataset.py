@@ -37,6 +37,9 @@ class Dataset:
     H           (n, 3, 3) undistorted pixel to pitch (m), scaled to H[2, 2] = 1
     sigma       (n, 3) 1-sigma of pan, tilt (degrees) and focal length (px); NaN where not known
     confidence  (n,) NaN where not known
+    grade       list: speed, map, none: what places on the ground are good for; None where not stated
+    ground_sigma (n,) 1-sigma of a place on the ground in the picture's middle third, m; NaN where not known
+    visible_area list of (m, 2) corners of the part of the field in the picture, m
     clicks      list of lists of (name, x, y, is_line, is_check)
     split       list: train, validation, test; empty where the dataset is not divided
     label       list: where each camera comes from: clicked, snapped, suggested_and_accepted, interpolated, ... (frames.csv)
@@ -77,6 +80,10 @@ class Dataset:
         covariances = [np.array(s["covariance"], float) if s.get("covariance") else np.full((3, 3), np.nan) for s in solutions]
         self.sigma = np.sqrt(np.array([np.diag(c) for c in covariances], float).reshape(-1, 3))
         self.confidence = np.array([s.get("confidence", np.nan) for s in solutions], float)
+        on_ground = [s.get("ground") or {} for s in solutions]
+        self.grade = [g.get("grade") for g in on_ground]
+        self.ground_sigma = np.array([g.get("sigma_m", np.nan) for g in on_ground], float)
+        self.visible_area = [np.array(g.get("visible_area_m", []), float).reshape(-1, 2) for g in on_ground]
         known = {_cell(row["id"]): row for row in rows}
         self.split = [known.get(f.get("id"), {}).get("split", "") for f in frames]
         self.label = [known.get(f.get("id"), {}).get("label", "") for f in frames]

@@ -367,7 +367,10 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     };
     // A complete JSON export is the document itself and needs no conversion.
     if format == Format::Json && frames == FrameChoice::default() {
-        output.write(document.into_dataset(), location.folder())?;
+        output.write(
+            document.at(location.folder()).to_dataset()?,
+            location.folder(),
+        )?;
         return Ok(Outcome::Done);
     }
     let options = ExportOptions {
@@ -483,8 +486,7 @@ mod tests {
         ];
         // And these to `--points`, whose layouts refuse what they do not take.
         let of_points = ["points", "layout", "model", "min_probability"];
-        let declared: Vec<String> = FormatOption::ALL
-            .iter()
+        let declared: Vec<String> = FormatOption::all()
             .map(|option| option.name().replace('-', "_"))
             .collect();
         let commands = [

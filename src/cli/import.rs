@@ -92,6 +92,9 @@ pub struct ImportArgs {
     /// The width of the camera's sensor, mm.
     #[arg(long, value_parser = parse_width)]
     sensor_mm: Option<f64>,
+    /// The distortion that the files state has been taken out of the pictures.
+    #[arg(long)]
+    undistorted: bool,
     /// The plane of homographies that do not say it: metres from the field's centre or from its far
     /// left corner, or the template of a set.
     #[arg(long, value_parser = template_parser())]
@@ -219,6 +222,7 @@ impl ImportArgs {
             (FormatOption::Annotator, self.annotator.is_some()),
             (FormatOption::Zoom, self.zoom.is_some()),
             (FormatOption::SensorMm, self.sensor_mm.is_some()),
+            (FormatOption::Undistorted, self.undistorted),
             (FormatOption::EachOwnCamera, self.each_own_camera),
             (FormatOption::StretchedFrom, self.stretched_from.is_some()),
             (FormatOption::Template, self.template.is_some()),
@@ -308,6 +312,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         skip_unmapped: args.skip_unmapped,
         annotator: args.annotator.clone(),
         sensor_width_mm: args.sensor_mm,
+        undistorted: args.undistorted,
         zoom: args.zoom.as_deref().map(zoom_of).transpose()?,
         homographies: HomographyOptions {
             plan: args.template,

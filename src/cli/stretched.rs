@@ -8,16 +8,12 @@
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::refuse_existing;
 use anyhow::{Context as _, bail};
-use image::codecs::jpeg::JpegEncoder;
-use image::{DynamicImage, ImageFormat, RgbaImage};
-use std::fs::{File, create_dir_all};
-use std::io::BufWriter;
+use image::ImageFormat;
+use std::fs::{create_dir_all, write};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::ImageSize;
+use touchline_documents::exchange::encode_picture;
 use touchline_vision::media::{FrameSource, Picture, load_image};
-
-/// The quality of JPEG files, of 100: their second compression should not be seen.
-const JPEG_QUALITY: u8 = 95;
 
 /// Writes each image in the size that it had before it was stretched, under its own name, and
 /// returns those written. One that cannot be read is named and left out.
@@ -63,19 +59,9 @@ fn write_resized(
     path: &Path,
     folder: &Path,
 ) -> anyhow::Result<PathBuf> {
-    let rgba = picture.resize(size)?.rgba().to_vec();
-    let resized = RgbaImage::from_raw(size.width, size.height, rgba);
-    let resized = resized.context("a picture has four bytes a pixel")?;
-    let resized = DynamicImage::from(resized).into_rgb8();
     let to = folder.join(path.file_name().context("an image has a name")?);
     let failed = || format!("cannot write {}", to.display());
-    let mut file = BufWriter::new(File::create(&to).with_context(failed)?);
-    match ImageFormat::from_path(&to)? {
-        ImageFormat::Jpeg => {
-            resized.write_with_encoder(JpegEncoder::new_with_quality(&mut file, JPEG_QUALITY))
-        }
-        format => resized.write_to(&mut file, format),
-    }
-    .with_context(failed)?;
+    let bytes = encode_picture(&picture.resize(size)?, ImageFormat::from_path(&to)?);
+    write(&to, bytes.with_context(failed)?).with_context(failed)?;
     Ok(to)
 }

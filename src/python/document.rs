@@ -234,7 +234,7 @@ impl PyDocument {
     /// The frames as they are now, as columns.
     #[getter]
     fn frames(&self) -> PyFrames {
-        PyFrames::new(self.document.clone())
+        PyFrames::new(self.document.clone(), self.folder.clone())
     }
 
     /// The cameras as dicts with the keys of the document's schema.

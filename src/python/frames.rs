@@ -7,11 +7,12 @@ use crate::json;
 use crate::progress::threads;
 use numpy::Element;
 use numpy::ndarray::IntoDimension;
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rayon::prelude::*;
+use std::path::PathBuf;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::Mat3;
 use touchline_documents::document::{Clip, Document, Frame, FramePtz, Frames, Target};
@@ -23,12 +24,13 @@ use touchline_documents::document::{Clip, Document, Frame, FramePtz, Frames, Tar
 #[pyclass(module = "touchline", frozen, name = "Frames")]
 pub struct PyFrames {
     document: Document,
+    folder: PathBuf,
 }
 
 impl PyFrames {
     /// The frames of a document; they share its memory.
-    pub const fn new(document: Document) -> Self {
-        Self { document }
+    pub const fn new(document: Document, folder: PathBuf) -> Self {
+        Self { document, folder }
     }
 
     /// `N` numbers of each frame, in parallel.
@@ -267,6 +269,34 @@ impl PyFrames {
         self.column(py, [self.__len__()], |_, frame| {
             or_nan(frame.solution.as_ref().and_then(|solution| solution.rms_px))
         })
+    }
+
+    /// What the cameras are good for on the ground, as a dict of columns: `grade` (N,) of str:
+    /// speed, map, none ("" where a frame has no camera), `sigma_m` (N,), 1-σ of a place on the
+    /// field in the picture's middle third, NaN where none is stated, and `visible_area_m`, a list
+    /// of (M, 2) corners of the part of the field in each picture.
+    #[getter]
+    fn ground<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let pool = threads()?;
+        let at = self.document.at(&self.folder);
+        let compute = || pool.install(|| at.ground_of_frames());
+        let grounds = without_panic(|| {
+            py.detach(compute)
+                .map_err(|error| PyValueError::new_err(error.to_string()))
+        })?;
+        let known = || grounds.iter().map(Option::as_ref);
+        let sigmas = known().map(|ground| ground.and_then(|ground| ground.sigma_m));
+        let areas = known().map(|ground| {
+            let corners = ground.map_or(&[][..], |ground| &ground.visible_area_m);
+            array(py, [corners.len(), 2], corners.as_flattened().to_vec())
+        });
+        let columns = PyDict::new(py);
+        let grades = known().map(|ground| ground.map_or("", |ground| ground.grade.as_str()));
+        columns.set_item("grade", texts(py, grades)?)?;
+        let sigmas = sigmas.flat_map(or_nan).collect();
+        columns.set_item("sigma_m", array(py, [grounds.len()], sigmas)?)?;
+        columns.set_item("visible_area_m", areas.collect::<PyResult<Vec<_>>>()?)?;
+        Ok(columns)
     }
 
     /// All clicks as a dict of columns: `frame` (M,) positions of their frames, `name` (M,) of str

@@ -14,6 +14,7 @@ mod cameras_of_videos;
 mod headless;
 mod media;
 mod motion_330;
+mod mutated_originals;
 mod originals;
 mod overlay_pixels;
 mod overlay_projection;
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         cameras_of_videos::TESTS,
         media::TESTS,
         motion_330::TESTS,
+        mutated_originals::TESTS,
         originals::TESTS,
         overlay_pixels::TESTS,
         overlay_projection::TESTS,

@@ -11,7 +11,10 @@ pub const TESTS: &[Test] = tests![
     [Frames] all_cameras_of_the_basketball_challenge_are_read_as_one_a_place;
     [Frames] homographies_of_badminton_courts_show_the_corners_that_they_state;
     [Frames] points_of_a_model_are_read_and_give_cameras;
-    [Frames] files_without_a_format_say_what_to_do_instead;
+    [Frames] lens_tables_give_frames_their_lens;
+    [Frames] points_named_by_their_place_are_landmarks_and_lines;
+    [Frames] examples_of_opentrackio_are_read_once_their_distortion_is_out;
+    [Frames] files_that_are_not_read_say_what_to_do_instead;
 ];
 
 /// A published file.
@@ -141,17 +144,94 @@ fn points_of_a_model_are_read_and_give_cameras() {
     assert!(document.frames.iter().all(|frame| is_suggested(frame)));
 }
 
-fn files_without_a_format_say_what_to_do_instead() {
+fn lens_tables_give_frames_their_lens() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, options, count, focal_px) in [
+        (
+            "lens-venice-frames.csv",
+            "--sensor-mm 36",
+            588,
+            1920.0 * 32.0 / 36.0,
+        ),
+        // The sensor follows from the focal length for film of 36 mm: 26.3 mm.
+        ("lens-canon-frames.csv", "", 1, 1920.0 * 26.3 / 36.0),
+    ] {
+        let path = original(name);
+        let arguments = format!("{} --size 1920x1080 {options}", path.to_str().unwrap());
+        let (document, said) = import(folder.path(), &arguments, 0);
+        assert_eq!(
+            (document.frames.len(), document.cameras.len()),
+            (count, 1),
+            "{said}"
+        );
+        for frame in &document.frames {
+            let lens = frame.lens.as_ref().unwrap();
+            assert!(
+                (lens.focal_px - focal_px).abs() < 1e-9,
+                "{name}: {}",
+                lens.focal_px
+            );
+            assert!(frame.ptz.is_none());
+        }
+    }
+}
+
+fn points_named_by_their_place_are_landmarks_and_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = original("soccer-sportslabkit-keypoints.json");
+    let arguments = format!("{} --size 6500x1000", path.to_str().unwrap());
+    let (document, said) = import(folder.path(), &arguments, 0);
+    let clicks = &document.frames[0].clicks;
+    assert_eq!((document.frames.len(), clicks.len()), (1, 65), "{said}");
+    let on_lines = clicks.iter().filter(|click| click.is_on_line()).count();
+    assert_eq!(on_lines, 36, "between the corners and the halfway line");
+    let named = |name: &str| {
+        let mut clicks = clicks.iter();
+        let found = clicks.find(|click| click.target.as_ref().is_some_and(|t| t.as_str() == name));
+        found.unwrap().image
+    };
+    assert_eq!(named("centre_mark"), ImagePoint::new(3540.39, 558.79));
+    assert_eq!(named("corner_near_left"), ImagePoint::new(118.18, 889.57));
+}
+
+fn examples_of_opentrackio_are_read_once_their_distortion_is_out() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, options) in [
+        (
+            "opentrackio-recommended_dynamic.json",
+            "--size 1920x1080 --sensor-mm 36",
+        ),
+        ("opentrackio-recommended_static.json", "--size 1920x1080"),
+    ] {
+        let path = original(name);
+        let arguments = format!("{} --undistorted {options}", path.to_str().unwrap());
+        let (document, _) = import(folder.path(), &arguments, 0);
+        let camera = document.ptz_camera(&document.frames[0]).unwrap();
+        // Stated: (1, 2, 3) m, and an entrance pupil 0.123 m ahead.
+        let off_m = (camera.base().position_m - Vec3::new(1.0, 2.0, 3.0)).norm();
+        assert!((off_m - 0.123).abs() < 1e-9, "{name}: {off_m}");
+        assert!(
+            (camera.ptz().focal_px / 1920.0 * 36.0 - 24.305).abs() < 1e-9,
+            "{name}"
+        );
+    }
+}
+
+fn files_that_are_not_read_say_what_to_do_instead() {
     let folder = tempfile::tempdir().unwrap();
     for (name, wanted) in [
-        (
-            "soccer-sportslabkit-keypoints.json",
-            "a table frame,label,x,y",
-        ),
         ("ptz-survey-gcp.json", "make a template"),
         ("ptz-survey-map-points.json", "make a template"),
-        ("lens-venice-frames.csv", "says neither pan nor tilt"),
-        ("lens-canon-frames.csv", "says neither pan nor tilt"),
+        ("lens-venice-frames.csv", "give --video VIDEO or --size"),
+        ("lens-canon-frames.csv", "give --video VIDEO or --size"),
+        (
+            "opentrackio-recommended_dynamic.json",
+            "give --size WIDTHxHEIGHT and --sensor-mm",
+        ),
+        (
+            "opentrackio-complete_static.json",
+            "a camera has a scale of 1",
+        ),
         ("badminton-shuttleset-homography.csv", "give --template"),
     ] {
         let path = original(name);

@@ -139,6 +139,12 @@ class Interchange(unittest.TestCase):
         np.testing.assert_array_equal(table["pan_deg"].notna(), solved)
         self.assertEqual(table["clicks"].sum(), len(document.frames.clicks["frame"]))
         self.assertEqual(table["image"][0], document[0]["image"])
+        grades = document.frames.ground["grade"]
+        np.testing.assert_array_equal(grades != "", solved & (document.frames.status != "rejected"))
+        np.testing.assert_array_equal(table["grade"], grades)
+        for area, grade in zip(document.frames.ground["visible_area_m"], grades, strict=True):
+            self.assertEqual(area.shape[1], 2)
+            self.assertIn(grade, ("", "none", "map", "speed"))
 
 
 class Program(unittest.TestCase):

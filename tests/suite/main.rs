@@ -24,6 +24,7 @@ mod base_in_app;
 mod commands;
 mod drawn_clip;
 mod figures;
+mod ground_grades;
 mod library;
 mod paint;
 mod paint_in_app;

@@ -149,7 +149,10 @@ pub fn evaluation_tables(groups: &[FrameGroup], write: fn(&Table) -> String) -> 
         );
     }
     if let Some(score) = all.soccernet_score() {
-        let _ = writeln!(text, "\nMean JaC@5 × completeness: {score:.3}.");
+        let _ = writeln!(
+            text,
+            "\nMean JaC@5 (px at 960 px width) × completeness: {score:.3}."
+        );
     }
     if groups.len() > 1 {
         text.push('\n');

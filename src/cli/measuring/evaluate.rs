@@ -31,6 +31,7 @@ use touchline_documents::report::Table;
 /// than t px (of a picture 960 px wide) to the estimate's, among all that either shows; the better
 /// of the names as they are and turned by half a turn, at every t for itself; a circle that leaves
 /// the picture is joined where it comes back. Ends of straight markings, nine points of round ones.
+/// The task's own script draws markings more coarsely and gives up to 0.05 less.
 ///
 /// Where both have a camera, the ground that they see at the same image points is compared in
 /// metres: at the points of `--points`, else on a grid over the visible field.

@@ -1,6 +1,6 @@
 //! The part of the field that a picture shows, seen from above.
 
-use super::polygon::{Ring, cut, intersect};
+use super::polygon::{Ring, area, cut, intersect};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec2, Vec3};
@@ -11,6 +11,9 @@ const NEAR_M: f64 = 0.05;
 const POINTS_PER_EDGE: u32 = 64;
 /// The visible radius, as a fraction of the radius at which the distortion model folds.
 const FOLD_SHARE: f64 = 1.0 - 1e-6;
+
+/// How far an outline may be off that is simplified, m.
+const OUTLINE_M: f64 = 0.05;
 
 /// The corners of the field on the plane z = 0, m.
 pub(super) fn field_corners(field: &FieldModel) -> [Vec2; 4] {
@@ -77,6 +80,51 @@ pub fn visible_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) ->
         .collect()
 }
 
+/// The outline of the part of the field that a picture shows: the largest polygon of
+/// [`visible_field`], without the points that lie within [`OUTLINE_M`] of a line between others.
+/// Empty if the picture shows nothing of the field.
+#[must_use]
+pub fn visible_outline(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Vec2> {
+    let mut rings = visible_field(field, camera, size);
+    rings.sort_by(|a, b| area(std::slice::from_ref(b)).total_cmp(&area(std::slice::from_ref(a))));
+    let Some(mut ring) = rings.into_iter().next() else {
+        return Vec::new();
+    };
+    // Closed, and opened again at the end: the first point always stays.
+    ring.extend(ring.first().copied());
+    let mut kept = simplify(&ring);
+    kept.pop();
+    kept
+}
+
+/// The points of a line without those near the straight line between others (Ramer 1972; Douglas
+/// and Peucker 1973).
+fn simplify(line: &[Vec2]) -> Vec<Vec2> {
+    let (Some(first), Some(last)) = (line.first(), line.last()) else {
+        return Vec::new();
+    };
+    let along = last - first;
+    // Of a closed line both ends are one point, and the distance is that from it.
+    let away_m = |point: &Vec2| {
+        let from_first = point - first;
+        if along.norm() > 0.0 {
+            along.perp(&from_first).abs() / along.norm()
+        } else {
+            from_first.norm()
+        }
+    };
+    let distances = line.iter().map(away_m).enumerate();
+    match distances.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((at, away_m)) if away_m > OUTLINE_M => {
+            let mut kept = simplify(&line[..=at]);
+            kept.pop();
+            kept.extend(simplify(&line[at..]));
+            kept
+        }
+        _ => vec![*first, *last],
+    }
+}
+
 /// The picture's border on the plane z = 1 of `cam`, before distortion: its corners, or points
 /// along its curved edges.
 fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
@@ -126,7 +174,6 @@ fn ground_from_ideal(camera: &PtzCamera, ideal: Vec2) -> Option<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::score::polygon::area;
     use crate::testing::{TestBase, base_at, soccer, turned_base};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
@@ -166,6 +213,21 @@ mod tests {
             (distorted - by_hand).abs() < 0.005 * straight,
             "{distorted} {by_hand}"
         );
+    }
+
+    #[test]
+    fn an_outline_keeps_the_area_with_few_points() {
+        let field = soccer();
+        let rectangle = visible_outline(&field, &from_above(3200.0, 0.0), SIZE);
+        assert_eq!(rectangle.len(), 4);
+        let camera = from_above(3200.0, -0.5);
+        let outline = visible_outline(&field, &camera, SIZE);
+        let whole = area(&visible_field(&field, &camera, SIZE));
+        assert!((5..40).contains(&outline.len()), "{}", outline.len());
+        // Along a border of 125 m it is at most 5 cm off.
+        assert!((area(&[outline]) - whole).abs() < 125.0 * OUTLINE_M);
+        let away = base_at([0.0, -60.0, 15.0], SIZE).aim(0.0, 60.0, 1000.0);
+        assert!(visible_outline(&field, &away, SIZE).is_empty());
     }
 
     #[test]

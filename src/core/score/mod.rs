@@ -33,8 +33,9 @@ pub(crate) use statistics::chi_squared_quantile;
 pub use {
     camera_error::CameraError, camera_error::FieldView, camera_error::LandmarkError,
     camera_error::ground_error_m, camera_error::horizontal_view, camera_error::landmark_errors,
-    ground::visible_field, marking_match::AnnotatedLine, marking_match::MarkingMatch,
-    marking_match::NamedMatch, marking_match::annotated_lines, overlap::iou_part,
-    overlap::iou_segments, overlap::iou_whole, plane::PlaneView, statistics::median_normal_size,
-    statistics::median_rayleigh, statistics::rayleigh_share, statistics::squared_mahalanobis,
+    ground::visible_field, ground::visible_outline, marking_match::AnnotatedLine,
+    marking_match::MarkingMatch, marking_match::NamedMatch, marking_match::annotated_lines,
+    overlap::iou_part, overlap::iou_segments, overlap::iou_whole, plane::PlaneView,
+    statistics::median_normal_size, statistics::median_rayleigh, statistics::rayleigh_share,
+    statistics::squared_mahalanobis,
 };

@@ -64,7 +64,9 @@ pub use {
     optimiser::least_squares::gauss_newton_step,
     optimiser::least_squares::{BlockEquations, Minimum, NO_VALUE_SIGMAS, Stopping, minimise},
     optimiser::least_squares::{Linearised, Residual},
-    outcome::covariance::{UNSTATED_PX, covariance_in_radians, covariance_of_four_points},
+    outcome::covariance::{
+        GroundError, UNSTATED_PX, covariance_in_radians, covariance_of_four_points,
+    },
     outcome::verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, judge},
     refine::refine_until,
     warning::UnknownWarningCode,

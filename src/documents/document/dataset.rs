@@ -1,7 +1,22 @@
 //! A document as a dataset, for users of the labels.
 
-use super::{Click, Document, Frame, SolutionWarning};
+use super::{Click, Document, DocumentAt, Frame, Ground, SolutionWarning};
+use touchline_core::field::FieldError;
 use touchline_core::solve::WarningCode;
+
+impl DocumentAt<'_> {
+    /// The document as a dataset ([`Document::into_dataset`]) that states what its cameras are
+    /// good for on the ground.
+    ///
+    /// # Errors
+    /// A field of the document is not valid.
+    pub fn to_dataset(self) -> Result<Document, FieldError> {
+        let grounds = self.ground_of_frames()?;
+        let mut dataset = self.document.clone().into_dataset();
+        dataset.state_ground(grounds);
+        Ok(dataset)
+    }
+}
 
 impl Document {
     /// The document as a dataset: without unnamed clicks (indices of clicks are updated), and with
@@ -15,6 +30,20 @@ impl Document {
         }
         self.report_assumed_sizes();
         self
+    }
+
+    /// States what the camera of every frame is good for on the ground, and nothing where a frame
+    /// has none; `grounds` are in the order of the frames ([`DocumentAt::ground_of_frames`]).
+    pub fn state_ground(&mut self, grounds: Vec<Option<Ground>>) {
+        for (frame, ground) in self.frames.iter_mut().zip(grounds) {
+            let stated = frame
+                .solution
+                .as_ref()
+                .and_then(|known| known.ground.as_ref());
+            if stated != ground.as_ref() {
+                frame.solution.get_or_insert_default().ground = ground;
+            }
+        }
     }
 
     /// Adds a warning to every solved frame whose field's size is assumed.

@@ -87,6 +87,7 @@
 //! | `covariance?`, `own_covariance?` | 3 × 3 in the order `pan_deg`, `tilt_deg`, `focal_px`; the second with the camera's base taken as exact |
 //! | `rms_px?`, `worst_corner_sigma_px?` | residuals, and 1-σ of the overlay at the worst corner, px |
 //! | `source?` | [`SolutionSource`] |
+//! | `ground?` | what the camera is good for on the ground, written by exports: `grade`, `sigma_m?`, `visible_area_m` ([`Ground`]) |
 //! | `confidence?` | 0 to 1: that the overlay is right within 10 px at 1920 px width |
 //! | `samples?` | how many samples of painted lines took part |
 //! | `line_check?` | the evidence of the paint: `score`, `predicted`, `found`, `bare`, … ([`PaintEvidence`]) |
@@ -138,6 +139,7 @@ pub use model::frame::{Clip, Edited, Frame, FrameStatus, RejectReason, VideoFram
 pub use model::frame_id::FrameId;
 pub use model::frame_lens::FrameLens;
 pub use model::frames::Frames;
+pub use model::ground::{Ground, GroundGrade};
 pub use model::imported_camera::ImportedCamera;
 pub use model::mask::{MaskSource, RangedMask};
 pub use model::repeat::Repeat;

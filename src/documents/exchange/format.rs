@@ -54,6 +54,8 @@ pub enum Format {
     Chan,
     /// Arrays of the FIFA Skeletal Tracking tasks.
     Fifa,
+    /// Focal lengths frame by frame, as recorders write them.
+    Lens,
     /// The Common Data Format's sheet of a video.
     Cdf,
     /// Cameras of `PnLCalib`, No Bells Just Whistles and `TVCalib`.

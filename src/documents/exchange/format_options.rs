@@ -110,77 +110,50 @@ pub enum Direction {
     Import,
 }
 
+/// Every option with its name on the command line, in the order of the type.
+const OPTIONS: [(FormatOption, &str); 31] = [
+    (Size, "size"),
+    (Variant, "variant"),
+    (Undistorted, "undistorted"),
+    (Names, "names"),
+    (Projected, "projected"),
+    (Outside, "outside"),
+    (Interpolate, "interpolate"),
+    (Takes, "takes"),
+    (Start, "start"),
+    (Fps, "fps"),
+    (SensorMm, "sensor-mm"),
+    (MatchId, "match-id"),
+    (StartTime, "start-time"),
+    (Perspective, "perspective"),
+    (Automated, "automated"),
+    (StageOrigin, "stage-origin"),
+    (StageHeading, "stage-heading"),
+    (Rotations, "rotations"),
+    (Zoom, "zoom"),
+    (Images, "images"),
+    (Pixels, "pixels"),
+    (Map, "map"),
+    (SkipUnmapped, "skip-unmapped"),
+    (Annotator, "annotator"),
+    (Field, "field"),
+    (Set, "set"),
+    (EachOwnCamera, "each-own-camera"),
+    (StretchedFrom, "stretched-from"),
+    (Template, "template"),
+    (MatrixDirection, "direction"),
+    (Columns, "columns"),
+];
+
 impl FormatOption {
     /// Every option.
-    pub const ALL: [Self; 31] = [
-        Size,
-        Variant,
-        Undistorted,
-        Names,
-        Projected,
-        Outside,
-        Interpolate,
-        Takes,
-        Start,
-        Fps,
-        SensorMm,
-        MatchId,
-        StartTime,
-        Perspective,
-        Automated,
-        StageOrigin,
-        StageHeading,
-        Rotations,
-        Zoom,
-        Images,
-        Pixels,
-        Map,
-        SkipUnmapped,
-        Annotator,
-        Field,
-        Set,
-        EachOwnCamera,
-        StretchedFrom,
-        Template,
-        MatrixDirection,
-        Columns,
-    ];
+    pub fn all() -> impl Iterator<Item = Self> {
+        OPTIONS.into_iter().map(|(option, _)| option)
+    }
 
     /// Its name on the command line, behind two hyphens.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Size => "size",
-            Variant => "variant",
-            Undistorted => "undistorted",
-            Names => "names",
-            Projected => "projected",
-            Outside => "outside",
-            Interpolate => "interpolate",
-            Takes => "takes",
-            Start => "start",
-            Fps => "fps",
-            SensorMm => "sensor-mm",
-            MatchId => "match-id",
-            StartTime => "start-time",
-            Perspective => "perspective",
-            Automated => "automated",
-            StageOrigin => "stage-origin",
-            StageHeading => "stage-heading",
-            Rotations => "rotations",
-            Zoom => "zoom",
-            Images => "images",
-            Pixels => "pixels",
-            Map => "map",
-            SkipUnmapped => "skip-unmapped",
-            Annotator => "annotator",
-            Field => "field",
-            Set => "set",
-            EachOwnCamera => "each-own-camera",
-            StretchedFrom => "stretched-from",
-            Template => "template",
-            MatrixDirection => "direction",
-            Columns => "columns",
-        }
+        OPTIONS[self as usize].1
     }
 }

@@ -58,7 +58,8 @@ pub use {
     click_formats::point_sigma::sigma_by_probability_px,
     exports::dataset::{
         DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures,
-        PlannedFrame, Split, SplitBy, Splitting, folder_for_new, plan_dataset, write_dataset,
+        PlannedFrame, Split, SplitBy, Splitting, encode_picture, folder_for_new, plan_dataset,
+        write_dataset,
     },
     exports::work_packages::{restore_version, write_packages},
     imports::attach::{

@@ -163,6 +163,8 @@ pub struct ImportOptions {
     pub zoom: Option<Zoom>,
     /// The width of the sensor, mm.
     pub sensor_width_mm: Option<f64>,
+    /// Whether the distortion that a file states has been taken out of the pictures.
+    pub undistorted: bool,
     /// What homographies mean that do not say it.
     pub homographies: HomographyOptions,
     /// The model that found the points; none where people placed them.
@@ -192,6 +194,7 @@ impl Default for ImportOptions {
             annotator: None,
             zoom: None,
             sensor_width_mm: None,
+            undistorted: false,
             homographies: HomographyOptions::default(),
             model: None,
         }

@@ -2,7 +2,7 @@
 
 use super::authors_mat;
 use super::camera_formats::{
-    broadtrack, cdf, chan, colmap, csv_table, deepsport, fifa, freed, homography_files,
+    broadtrack, cdf, chan, colmap, csv_table, deepsport, fifa, freed, homography_files, lens_table,
     opencv_yaml, opentrackio, soccernet, usda,
 };
 use super::cameras::camera_format::CameraFormat;
@@ -42,7 +42,7 @@ const DATASET: About = About {
 };
 
 /// Every format, in the order of the help.
-static FORMATS: [(Format, Codec); 27] = [
+static FORMATS: [(Format, Codec); 28] = [
     (Format::Json, Documents(DATASET)),
     (Format::SoccerNet, Cameras(&soccernet::SoccerNet)),
     (
@@ -76,6 +76,7 @@ static FORMATS: [(Format, Codec); 27] = [
     (Format::DeepSport, Cameras(&deepsport::DeepSport)),
     (Format::Chan, Cameras(&chan::Chan)),
     (Format::Fifa, Cameras(&fifa::Fifa)),
+    (Format::Lens, Cameras(&lens_table::LensTable)),
     (Format::Cdf, Cameras(&cdf::Cdf)),
     (Format::PnlCalib, Cameras(&soccernet::PnlCalib)),
     (Format::AuthorsMat, Documents(authors_mat::ABOUT)),
@@ -257,7 +258,7 @@ mod tests {
     fn the_options_of_formats_are_on_their_page() {
         let exported: Vec<Format> = Format::all().filter(|format| format.exports()).collect();
         let imported: Vec<Format> = Format::all().filter(|format| format.imports()).collect();
-        for option in FormatOption::ALL {
+        for option in FormatOption::all() {
             let row = format!(
                 "| `--{}` | {} | {} |",
                 option.name(),

@@ -37,6 +37,11 @@ class _Clicks(TypedDict):
     image_px: _Floats
     check: npt.NDArray[np.bool_]
 
+class _Ground(TypedDict):
+    grade: npt.NDArray[np.str_]
+    sigma_m: _Floats
+    visible_area_m: list[_Floats]
+
 class _Pictures(TypedDict):
     image: list[str | None]
     video: list[str | None]
@@ -146,6 +151,8 @@ class Frames:
     def confidence(self) -> _Floats: ...
     @property
     def rms_px(self) -> _Floats: ...
+    @property
+    def ground(self) -> _Ground: ...
     @property
     def clicks(self) -> _Clicks: ...
     @property

@@ -124,8 +124,8 @@ def to_dataframe(document: Document) -> Any:
 
     Columns: `id`, `image`, `video`, `frame_index`, `pts_s`, `camera`, `status`, `clip`, `pan_deg`,
     `tilt_deg`, `focal_px`, `k1`, `k2`, `x_m`, `y_m`, `z_m` (where the camera stands), `sigma_pan_deg`,
-    `sigma_tilt_deg`, `sigma_focal_px`, `rms_px`, `confidence`, `clicks` (how many). NaN where a frame is
-    unsolved.
+    `sigma_tilt_deg`, `sigma_focal_px`, `rms_px`, `confidence`, `grade`, `ground_sigma_m`,
+    `visible_area_m`, `clicks` (how many). NaN where a frame is unsolved.
     """
     import pandas  # type: ignore[import-untyped, unused-ignore]
 
@@ -139,5 +139,7 @@ def to_dataframe(document: Document) -> Any:
     for index, name in enumerate(("sigma_pan_deg", "sigma_tilt_deg", "sigma_focal_px")):
         columns[name] = sigma[:, index]
     columns.update(rms_px=frames.rms_px, confidence=frames.confidence)
+    ground = frames.ground
+    columns.update(grade=ground["grade"], ground_sigma_m=ground["sigma_m"], visible_area_m=ground["visible_area_m"])
     columns["clicks"] = np.bincount(frames.clicks["frame"], minlength=len(frames))
     return pandas.DataFrame(columns)

@@ -99,6 +99,7 @@ impl Frame {
             own_covariance: Some(solved.uncertainty.own_covariance_deg()),
             rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
             worst_corner_sigma_px: solved.corner_sigma_px_if_known(),
+            ground: None,
             source: Some(source),
             confidence: None,
             timings_ms: None,

@@ -6,6 +6,7 @@
 mod earlier_state;
 pub mod frame_solution;
 pub mod gold;
+mod ground;
 pub mod model_points;
 pub mod moment;
 pub mod suggestion;

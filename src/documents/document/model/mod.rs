@@ -17,6 +17,7 @@ pub mod frame_id;
 pub mod frame_lens;
 pub mod frames;
 mod frames_version;
+pub mod ground;
 pub mod imported_camera;
 pub mod mask;
 pub mod repeat;

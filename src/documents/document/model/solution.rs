@@ -1,7 +1,7 @@
 //! What a solve says about a frame.
 
 use super::adapters;
-use crate::document::{Extra, ImportedCamera, Target};
+use crate::document::{Extra, Ground, ImportedCamera, Target};
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::geometry::Mat3;
@@ -115,6 +115,9 @@ pub struct Solution {
         skip_serializing_if = "Option::is_none"
     )]
     pub worst_corner_sigma_px: Option<f64>,
+    /// What the camera is good for on the ground, where an export stated it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground: Option<Ground>,
     /// What it was solved from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<SolutionSource>,

@@ -89,7 +89,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
             wanted: "below 179",
         });
     }
-    let angles = camera.numbers_at(["panDegrees", "tiltDegrees", "rollDegrees"])?;
+    let angles = camera.angles_at(["panDegrees", "tiltDegrees", "rollDegrees"])?;
     let position = camera.numbers_at(["positionXMeters", "positionYMeters", "positionZMeters"])?;
     // The field of view spans the width, symmetrically: f = (width / 2) / tan(view / 2).
     let mut pinhole = Pinhole {

@@ -3,7 +3,8 @@
 //!
 //! World, pixels and angles are the document's own. `r11` … `r33` are `cam_from_world`, `t_*_m` is
 //! −R C, and `h_pitch_from_image_*` maps an *undistorted* pixel (corner convention) to metres on
-//! the pitch. Empty fields are unknown values. Numbers have all their digits (before pandas 3:
+//! the pitch. `grade`, `ground_sigma_m` and `visible_area_m` (JSON: `[[x, y], …]`, m) say what the
+//! camera is good for on the ground; they are results and are not read. Empty fields are unknown values. Numbers have all their digits (before pandas 3:
 //! `read_csv(f, float_precision="round_trip")`).
 
 use crate::document::{FrameStatus, SolutionSource};
@@ -50,13 +51,16 @@ const COLUMNS: [&str; 20] = [
     "camera_y_m",
     "camera_z_m",
 ];
-const LAST_COLUMNS: [&str; 6] = [
+const LAST_COLUMNS: [&str; 9] = [
     "sigma_pan_deg",
     "sigma_tilt_deg",
     "sigma_focal_px",
     "worst_corner_sigma_px",
     "rms_px",
     "confidence",
+    "grade",
+    "ground_sigma_m",
+    "visible_area_m",
 ];
 
 /// The nine names of a matrix's entries, by rows.
@@ -181,6 +185,14 @@ fn row_of(
         record.confidence,
     ];
     row.extend(sigma.into_iter().chain(last).map(field));
+    match &record.ground {
+        Some(ground) => row.extend([
+            ground.grade.as_str().to_owned(),
+            field(ground.sigma_m),
+            format!("{:?}", ground.visible_area_m),
+        ]),
+        None => row.extend(vec![String::new(); 3]),
+    }
     row
 }
 
@@ -508,8 +520,8 @@ mod tests {
             ),
             (swap("r11", "r12"), "the column \"r12\" occurs twice"),
             (
-                good.trim_end().rsplit_once(',').unwrap().0.to_owned(),
-                "line 2: fields: 47 are expected, found 46",
+                swap(",images/0001.jpg,", ","),
+                "line 2: fields: 50 are expected, found 49",
             ),
             (
                 swap("412,", "\"412,"),

@@ -12,6 +12,7 @@ pub mod deepsport;
 pub mod fifa;
 pub mod freed;
 pub mod homography_files;
+pub mod lens_table;
 pub mod opencv_yaml;
 pub mod opentrackio;
 pub mod soccernet;

@@ -144,7 +144,7 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<(Pinhole, f64), Problem> {
     ]
     .concat();
     refuse_further_coefficients(&others)?;
-    let angles = node.numbers_at(["pan_degrees", "tilt_degrees", "roll_degrees"])?;
+    let angles = node.angles_at(["pan_degrees", "tilt_degrees", "roll_degrees"])?;
     let [x, y]: [f64; 2] = node.key("principal_point")?.numbers()?;
     let calibration = Calibration {
         fx,

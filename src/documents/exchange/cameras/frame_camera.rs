@@ -1,7 +1,7 @@
 //! A frame's camera as exchange formats store it: one rotation, one centre and one lens, without a
 //! base and pan and tilt.
 
-use crate::document::{FrameStatus, SolutionSource};
+use crate::document::{FrameStatus, Ground, SolutionSource};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
 use touchline_core::geometry::rotation::{
     ROTATION_TOLERANCE, distance_from_rotation, nearest_rotation,
@@ -100,6 +100,8 @@ pub struct Record {
     pub rms_px: Option<f64>,
     /// 0 to 1.
     pub confidence: Option<f64>,
+    /// What it is good for on the ground, for formats that state it.
+    pub ground: Option<Ground>,
     /// Clicks on landmarks, by name, in px of the picture as it is written; held-out points are not
     /// included.
     pub clicks: Vec<(String, ImagePoint)>,
@@ -254,6 +256,19 @@ impl Pinhole {
                 wanted: "within 100 km, in metres",
             });
         }
+        let away_px = self
+            .principal_point
+            .x
+            .abs()
+            .max(self.principal_point.y.abs());
+        if away_px > FARTHEST_PX {
+            let what = format!("a coordinate of the principal point of {what}");
+            return Err(Problem::OutOfRange {
+                what,
+                value: away_px,
+                wanted: "within a million px",
+            });
+        }
         // The document has k₂ as a multiple of k₁² (`FocalCurve`), so that it cannot state k₂
         // alone. The second check is of that multiple, which overflows for a tiny k₁.
         if self.lens.k1 == 0.0 && self.lens.k2 != 0.0 {
@@ -365,3 +380,5 @@ impl Pinhole {
 const EXACT_ROTATION: f64 = 1e-14;
 /// The maximum coordinate of a position, m; a larger one was probably stored in other units.
 const FARTHEST_M: f64 = 1e5;
+/// The maximum coordinate of a principal point, px. That of a crop may lie far outside of it.
+const FARTHEST_PX: f64 = 1e6;

@@ -13,7 +13,7 @@ use touchline_core::score::PlaneView;
 use touchline_core::solve::{PlanePoseError, UNSTATED_PX, pose_from_plane};
 
 /// Frames whose centres of projection differ by at most this may share a camera, m.
-const SAME_PLACE_M: f64 = 1e-6;
+pub(super) const SAME_PLACE_M: f64 = 1e-6;
 /// The minimum spread of pans that determines the pan axis: the second smallest eigenvalue of the
 /// mean of x xᵀ over the frames' x axes.
 const MIN_PAN_SPREAD: f64 = 1e-6;
@@ -192,7 +192,7 @@ pub(in crate::exchange) fn unsolved_frame(
 }
 
 /// Groups of frames (by index) that may share a camera: equal position, camera name and size.
-fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
+pub(super) fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     // A hash grid of the groups' first frames, with cells of the tolerance's size, because a data
     // set may have a different position for every frame. Frames within the tolerance lie in

@@ -11,6 +11,7 @@ pub mod frame_camera;
 pub mod ground_fit;
 pub mod held;
 pub mod into_document;
+pub mod one_place;
 pub mod picture_size;
 pub mod square_pixels;
 pub mod unreadable;

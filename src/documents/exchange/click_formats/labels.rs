@@ -5,7 +5,8 @@ use crate::document::Target;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::options::{KeypointNames, LabelMap};
 use std::collections::{BTreeMap, BTreeSet};
-use touchline_core::field::FieldModel;
+use touchline_core::field::{Curve, FieldModel};
+use touchline_core::geometry::Vec3;
 
 /// The 32 points of Roboflow's `SoccerPitchConfiguration` by index. Points 10, 11, 18 and 19 are
 /// labelled where the arc meets the area's line, although the configuration's own coordinates
@@ -134,6 +135,39 @@ fn ours(name: &str, field: &FieldModel) -> Option<Target> {
     field.line_element(name).map(|_| Target::Line(name.into()))
 }
 
+/// The place that a label states, such as `(16.5, 54.16)`: m from the field's far left corner to the
+/// right and towards the main camera.
+#[must_use]
+pub fn place_of_label(label: &str) -> Option<[f64; 2]> {
+    let inner = label.trim().strip_prefix('(')?.strip_suffix(')')?;
+    let (x, y) = inner.split_once(',')?;
+    let place = [x.trim().parse().ok()?, y.trim().parse().ok()?];
+    place.iter().all(|m: &f64| m.is_finite()).then_some(place)
+}
+
+/// The landmark at the place that a label states, or else the straight line that it lies on.
+fn at_place(label: &str, field: &FieldModel) -> Option<Target> {
+    /// Places are written with two decimals, m.
+    const EXACT_M: f64 = 0.02;
+    let [x, y] = place_of_label(label)?;
+    let place = Vec3::new(x - field.length_m / 2.0, field.width_m / 2.0 - y, 0.0);
+    let is_near = |point: Vec3| (point - place).norm() <= EXACT_M;
+    let mut landmarks = field.landmarks.iter();
+    if let Some(landmark) = landmarks.find(|landmark| is_near(landmark.nominal_m)) {
+        return Some(Target::Landmark(landmark.id.clone()));
+    }
+    let mut lines = field.lines.iter();
+    let line = lines.find(|line| match line.curve {
+        Curve::Segment { from, to } => {
+            let along = to - from;
+            let share = (place - from).dot(&along) / along.norm_squared();
+            line.painted && is_near(from + along * share.clamp(0.0, 1.0))
+        }
+        Curve::Arc { .. } => false,
+    });
+    line.map(|line| Target::Line(line.id.clone()))
+}
+
 impl LabelMap {
     /// Refuses labels that are numbered as another map has them. Indices go from 0 to 31, captions
     /// from 01 to 32, in two orders: taken for each other, nearly every point gets another's name.
@@ -180,7 +214,10 @@ impl LabelMap {
         field: &FieldModel,
     ) -> Result<Meaning, ExchangeError> {
         Ok(match self {
-            Self::Touchline => Meaning::from_name(Some(label), field),
+            Self::Touchline => match ours(label, field).or_else(|| at_place(label, field)) {
+                Some(target) => Meaning::Target(target),
+                None => Meaning::Unknown,
+            },
             // Roboflow's index, or the name that an export gives the point.
             Self::Roboflow32 => {
                 let name = if let Ok(index) = label.parse::<usize>() {
@@ -290,6 +327,25 @@ mod tests {
         let mut seen: Vec<usize> = (1..=32).filter_map(index_of_caption).collect();
         seen.sort_unstable();
         assert!(seen.into_iter().eq(0..32), "each point has one caption");
+    }
+
+    #[test]
+    fn a_place_is_a_landmark_or_a_line() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let meaning = |label: &str| LabelMap::Touchline.meaning(label, &field).unwrap();
+        for (label, landmark) in [
+            ("(0.0, 68.0)", "corner_near_left"),
+            ("(88.5, 13.84)", "penalty_area_far_right_front"),
+            ("(52.5, 24.85)", "centre_circle_halfway_far"),
+        ] {
+            let target = Target::Landmark(landmark.into());
+            assert_eq!(meaning(label), Meaning::Target(target), "{label}");
+        }
+        let touchline = Target::Line("touchline_near".into());
+        assert_eq!(meaning("(44.0, 68.0)"), Meaning::Target(touchline));
+        for label in ["(44.0, 60.0)", "(inf, 68.0)", "(44.0)", "44.0, 68.0"] {
+            assert_eq!(meaning(label), Meaning::Unknown, "{label}");
+        }
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! A plain table with a point a row: `frame,label,x,y`. Import only.
+//! A plain table with a point a row: `frame,label,x,y`; or a JSON object with the points of one
+//! picture, `{"LABEL": [x, y]}`. Import only.
 //!
 //! What scripts, spreadsheets and digitizing programs write. Pixels count from the picture's corner
 //! unless `--pixels` says otherwise; `width` and `height` may state the picture's size.
@@ -7,10 +8,11 @@ use super::clicked_frame::{
     ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, picture_path, size_or_option,
 };
 use crate::exchange::error::{ExchangeError, Problem};
-use crate::exchange::files::Files;
+use crate::exchange::files::{Files, ending_of, stem};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
+use crate::exchange::syntax::node::{Node, parse};
 use crate::exchange::syntax::table::{Table, TableRow};
 use crate::exchange::syntax::values::side_px;
 use std::collections::BTreeMap;
@@ -95,17 +97,45 @@ fn read_table(
     Ok(frames)
 }
 
+/// The points of one picture, which has the name of the file.
+fn read_object(
+    (file, bytes): (&str, &[u8]),
+    reading: &LabelReading<'_>,
+    unread: &mut UnreadLabels,
+) -> Result<LabelledFrame, Problem> {
+    let value = parse(bytes)?;
+    let shift_px = reading
+        .options
+        .pixels
+        .unwrap_or(Pixels::Corner)
+        .to_corner_px();
+    let (mut marks, name) = (Vec::new(), stem(file).to_owned());
+    for (label, point) in Node::root(&value).entries()? {
+        let read = point.numbers::<2>().map(|[x, y]| {
+            let at = ImagePoint::new(x + shift_px, y + shift_px);
+            Mark::new(label.to_owned(), at)
+        });
+        marks.extend(unread.keep(file, Some(&name), read));
+    }
+    Ok(LabelledFrame {
+        size: size_or_option(&name, (reading.sizes)(&name), reading.options)?,
+        image: None,
+        name,
+        marks,
+    })
+}
+
 impl ClickFormat for PointsTable {
     fn about(&self) -> About {
         About {
             name: "points",
             title: "a table of points: frame, label, x, y",
             conventions: "pixels from the corner",
-            users: "scripts, spreadsheets, digitizing programs",
+            users: "scripts, spreadsheets, digitizing programs, sportslabkit's key points",
             loses: None,
             file: Some("points.csv"),
-            files: "table (.csv)",
-            endings: &["csv"],
+            files: "points (.csv, .json)",
+            endings: &["csv", "json"],
             export_options: &[],
             import_options: format_options::LABELS_IN,
         }
@@ -117,7 +147,12 @@ impl ClickFormat for PointsTable {
         reading: &LabelReading<'_>,
         unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|file, bytes| read_table((file, bytes), reading, unread))
+        files.read_all(|file, bytes| {
+            if ending_of(file) == "json" {
+                return Ok(vec![read_object((file, bytes), reading, unread)?]);
+            }
+            read_table((file, bytes), reading, unread)
+        })
     }
 }
 

@@ -75,7 +75,7 @@ fn export_to_format(
 
 /// The chosen frames as a dataset.
 fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, ExchangeError> {
-    let mut dataset = at.document.clone().into_dataset();
+    let mut dataset = at.to_dataset()?;
     // Without a choice of frames it is complete, including rejected frames.
     let is_whole = options.frames == FrameChoice::default();
     let frames: Vec<_> = dataset

@@ -5,7 +5,9 @@ use super::choose::{NOT_SOLVED, is_chosen, nothing, other_proportions, refuse_sa
 use super::exported::Exported;
 use super::loss::{crown_off_px, farthest_landmark, loss_between};
 use super::stage::{in_stage, in_world};
-use crate::document::{Camera, Click, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
+use crate::document::{
+    Camera, Click, Document, DocumentAt, Fields, Frame, Ground, SolutionSource, Stage,
+};
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::held::refuse_mixed_sequence;
@@ -27,6 +29,7 @@ fn frame_camera(
     document: &Document,
     frame: &Frame,
     size: Option<ImageSize>,
+    ground: Option<Ground>,
 ) -> Option<FrameCamera> {
     let camera = document.ptz_camera(frame)?;
     // Whatever is in px belongs to a picture of one width: at another one it scales with it, σ and
@@ -64,6 +67,7 @@ fn frame_camera(
                 .and_then(|solution| solution.rms_px)
                 .map(|rms_px| rms_px * scale),
             confidence: solution.and_then(|solution| solution.confidence),
+            ground,
             clicks: frame
                 .clicks
                 .iter()
@@ -154,12 +158,19 @@ pub fn export_cameras(
     let mut left_out = Vec::new();
     let mut chosen: Vec<FrameCamera> = Vec::new();
     let mut of_field: Option<Arc<FieldModel>> = None;
-    for frame in document
+    // From all frames, because the neighbours of those that are chosen say how speeds come out.
+    let mut grounds = match format {
+        Format::Csv => at.ground_of_frames()?,
+        _ => Vec::new(),
+    };
+    grounds.resize(document.frames.len(), None);
+    for (frame, ground) in document
         .frames
         .iter()
-        .filter(|frame| is_chosen(frame, &options.frames))
+        .zip(grounds)
+        .filter(|(frame, _)| is_chosen(frame, &options.frames))
     {
-        let Some(camera) = frame_camera(document, frame, options.size) else {
+        let Some(camera) = frame_camera(document, frame, options.size, ground) else {
             left_out.push((frame.name(), NOT_SOLVED.to_owned()));
             continue;
         };

@@ -7,6 +7,7 @@ use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Unreadable};
 use crate::exchange::cameras::ground_fit::misfit_px;
 use crate::exchange::cameras::into_document::{View, camera_of};
+use crate::exchange::cameras::one_place::put_on_one_place;
 use crate::exchange::cameras::picture_size::{FittedSizes, SizeSource, fit_to_picture};
 use crate::exchange::cameras::unreadable::{add_unsolved, describe_unreadable_frames};
 use crate::exchange::error::ExchangeError;
@@ -116,8 +117,10 @@ pub fn import_cameras(
     notes.extend(under_ground_note(&views));
     notes.extend(remark_notes(&frames));
     notes.extend(camera_format.unread(&files));
+    let given: Vec<Pinhole> = views.iter().map(|(_, _, view)| *view).collect();
+    put_on_one_place(&mut views);
     let mut document = camera_format.document(options.field.clone(), &views);
-    notes.extend(lost_roll_note(&document, &views));
+    notes.extend(moved_note(&document, &given));
     if views.len() < frames.len() {
         add_unsolved(&mut document, &frames, &sizes);
     }
@@ -148,35 +151,33 @@ impl ImportOptions {
 }
 
 /// The note about frames that the document shows a little otherwise than the file, because their
-/// cameras roll by more than the axis of their place explains.
-fn lost_roll_note(document: &Document, views: &[View]) -> Option<String> {
+/// cameras waver about a place, or roll by more than the axis of that place explains.
+fn moved_note(document: &Document, given: &[Pinhole]) -> Option<String> {
     let cameras: BTreeMap<&CameraId, &Camera> = document
         .cameras
         .iter()
         .map(|camera| (&camera.id, &**camera))
         .collect();
-    let mut worst_px = 0.0_f64;
-    let mut count = 0;
-    // The document has the views in their order.
-    for (frame, (_, size, view)) in document.frames.iter().zip(views) {
-        let made = cameras
-            .get(&frame.camera)
-            .and_then(|camera| camera.ptz_camera(frame));
-        let Some((made, given)) = made.zip(view.ptz_camera()) else {
-            continue;
-        };
-        let off_px = corners_off_px(&made, &given, *size);
-        if off_px > SEEN_PX {
-            count += 1;
-            worst_px = worst_px.max(off_px);
-        }
-    }
-    (count > 0).then(|| {
-        format!(
-            "{} roll by a hair about their axes, which is left out: at most {worst_px:.3} px",
-            pluralise(count, "camera")
-        )
-    })
+    // The document has the cameras that were read in their order.
+    let off_px = document
+        .frames
+        .iter()
+        .zip(given)
+        .filter_map(|(frame, given)| {
+            let made = cameras.get(&frame.camera)?.ptz_camera(frame)?;
+            Some(corners_off_px(
+                &made,
+                &given.ptz_camera()?,
+                frame.image_size,
+            ))
+        });
+    let seen: Vec<f64> = off_px.filter(|off_px| *off_px > SEEN_PX).collect();
+    let worst_px = seen.iter().copied().reduce(f64::max)?;
+    Some(format!(
+        "{} waver about their place or roll about their axis by a hair, which is left out: at most \
+         {worst_px:.3} px",
+        pluralise(seen.len(), "camera")
+    ))
 }
 
 /// How far two cameras show points at the corners of a picture apart at most, px.

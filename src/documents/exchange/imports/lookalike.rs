@@ -2,25 +2,17 @@
 
 use crate::exchange::files::{ending_of, text};
 use crate::exchange::syntax::node::parse;
-use crate::exchange::syntax::table::Table;
 
 /// A kind of file that is known and has no format of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lookalike {
     /// Points that a model found.
     ModelPoints,
-    /// Points of a picture by their place on the field.
-    PlacedPoints,
     /// Control points of a survey, with names of their own.
     ControlPoints,
-    /// Focal lengths frame by frame, without pan and tilt.
-    LensData,
     /// A table whose fields are not separated by commas.
     OtherSeparator,
 }
-
-/// Columns of tables that recorders of two makers write of a lens.
-const LENS_COLUMNS: [&str; 2] = ["Focal Length (mm)", "FocalLength"];
 
 impl Lookalike {
     /// What a file is; none where it is none of these.
@@ -34,14 +26,8 @@ impl Lookalike {
 
     fn from_table(bytes: &[u8]) -> Option<Self> {
         let first = text(bytes).ok()?.lines().next()?;
-        if !first.contains(',') && first.contains([';', '\t']) {
-            return Some(Self::OtherSeparator);
-        }
-        let table = Table::read(bytes).ok()?;
-        let is_lens = LENS_COLUMNS
-            .iter()
-            .any(|column| table.needs(&[column]).is_ok());
-        is_lens.then_some(Self::LensData)
+        let is_other = !first.contains(',') && first.contains([';', '\t']);
+        is_other.then_some(Self::OtherSeparator)
     }
 
     fn from_json(bytes: &[u8]) -> Option<Self> {
@@ -49,17 +35,6 @@ impl Lookalike {
         let object = value.as_object()?;
         if object.contains_key("kp") {
             return Some(Self::ModelPoints);
-        }
-        let is_place = |key: &String| {
-            let inner = key
-                .strip_prefix('(')
-                .and_then(|rest| rest.strip_suffix(')'));
-            let mut numbers = inner.into_iter().flat_map(|inner| inner.split(','));
-            numbers.clone().count() >= 2
-                && numbers.all(|number| number.trim().parse::<f64>().is_ok())
-        };
-        if !object.is_empty() && object.keys().all(is_place) {
-            return Some(Self::PlacedPoints);
         }
         let is_survey = value.pointer("/capture/annotations").is_some()
             || (object.contains_key("map_id") && object.contains_key("points"));
@@ -74,18 +49,10 @@ impl Lookalike {
                 "these are points that a model found: give --points PATH --layout pnlcalib in \
                  place of it"
             }
-            Self::PlacedPoints => {
-                "its points are named by their place: write them as a table frame,label,x,y with \
-                 the names that `touchline fields soccer` lists"
-            }
             Self::ControlPoints => {
                 "control points of a survey are on no field: make a template with them as \
                  landmarks (`touchline fields soccer --json` shows one), and a table \
                  frame,label,x,y"
-            }
-            Self::LensData => {
-                "a table of focal lengths says neither pan nor tilt: make a project of the video \
-                 (`touchline new`) and click landmarks; the focal length is found with them"
             }
             Self::OtherSeparator => "write the table with commas between the fields",
         }
@@ -106,18 +73,8 @@ mod tests {
             ),
             (
                 "1.json",
-                r#"{"(44.0, 68.0)": [1, 2]}"#,
-                Some(Lookalike::PlacedPoints),
-            ),
-            (
-                "1.json",
                 r#"{"capture": {"annotations": []}}"#,
                 Some(Lookalike::ControlPoints),
-            ),
-            (
-                "1.csv",
-                "Timecode,Focal Length (mm)\n1,32\n",
-                Some(Lookalike::LensData),
             ),
             (
                 "1.csv",

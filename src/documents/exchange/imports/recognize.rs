@@ -6,6 +6,8 @@
 //! lie together, the user decides.
 
 use super::lookalike::Lookalike;
+use crate::exchange::camera_formats::lens_table::FOCAL_COLUMNS;
+use crate::exchange::click_formats::labels::place_of_label;
 use crate::exchange::click_formats::points_table::COLUMNS as POINT_COLUMNS;
 use crate::exchange::click_formats::soccernet_lines::GAME_STATE;
 use crate::exchange::error::ExchangeError;
@@ -139,6 +141,10 @@ fn format_of_table(bytes: &[u8]) -> Option<Format> {
     if table.needs(&POINT_COLUMNS).is_ok() {
         return Some(Format::Points);
     }
+    let mut focal = FOCAL_COLUMNS.iter();
+    if focal.any(|column| table.needs(&[column]).is_ok()) {
+        return Some(Format::Lens);
+    }
     let has_zoom = table.needs(&["pan_deg", "zoom_raw"]).is_ok();
     has_zoom.then_some(Format::FreeDCsv)
 }
@@ -212,6 +218,9 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
             Format::PnlCalib
         });
     }
+    if is_by_places(value) {
+        return Some(Format::Points);
+    }
     if base_name(name) == GAME_STATE {
         return Some(Format::SoccerNetLines);
     }
@@ -236,6 +245,17 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
 /// Whether an object has the keys of a camera of the `SoccerNet` challenge.
 fn is_camera(value: &Value) -> bool {
     value.get("pan_degrees").is_some() && value.get("x_focal_length").is_some()
+}
+
+/// Whether an object has a point at each key that is a place on the field.
+fn is_by_places(value: &Value) -> bool {
+    let mut keys = value
+        .as_object()
+        .into_iter()
+        .flat_map(|object| object.keys());
+    keys.next()
+        .is_some_and(|first| place_of_label(first).is_some())
+        && keys.all(|key| place_of_label(key).is_some())
 }
 
 fn format_of_list(items: &[Value]) -> Option<Format> {

@@ -2,6 +2,7 @@
 
 use super::json_map::JsonMap;
 use super::pnlcalib::PnlCalibPoints;
+use super::rf_detr::RfDetr;
 use super::scored::{ScoredCoco, ScoredTable, ScoredYolo};
 use crate::exchange::click_formats::clicked_frame::ClickFormat;
 use crate::exchange::error::ExchangeError;
@@ -25,16 +26,19 @@ pub enum PointLayout {
     Coco,
     /// A JSON map: picture, label, point.
     JsonMap,
+    /// `inference`'s JSON, one file a picture.
+    RfDetr,
     /// A table: frame, label, x, y, and p or `sigma_px`.
     Table,
 }
 
 impl PointLayout {
     /// Every layout, in the order of the help.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::PnlCalib,
         Self::YoloPose,
         Self::Coco,
+        Self::RfDetr,
         Self::JsonMap,
         Self::Table,
     ];
@@ -44,6 +48,7 @@ impl PointLayout {
             Self::PnlCalib => &PnlCalibPoints,
             Self::YoloPose => &ScoredYolo,
             Self::Coco => &ScoredCoco,
+            Self::RfDetr => &RfDetr,
             Self::JsonMap => &JsonMap,
             Self::Table => &ScoredTable,
         }

@@ -7,6 +7,7 @@
 //! | `layout` | the layouts of files that are read |
 //! | `pnlcalib` | the names of `PnLCalib`'s points and lines, and its files |
 //! | `json_map` | a plain JSON map of pictures, labels and points |
+//! | `rf_detr` | the JSON that Roboflow's `inference` writes |
 //! | `scored` | COCO, YOLO and tables with a probability in place of a visibility |
 //! | `outcomes` | what became of the points, for the makers of the model |
 
@@ -14,4 +15,5 @@ mod json_map;
 pub mod layout;
 pub mod outcomes;
 mod pnlcalib;
+mod rf_detr;
 mod scored;

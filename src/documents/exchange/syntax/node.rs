@@ -185,6 +185,24 @@ impl<'a> Node<'a> {
         Ok(numbers)
     }
 
+    /// The angles under some keys, degrees.
+    ///
+    /// # Errors
+    /// One of them is missing, or is beyond 3,600°, which is no angle but a damaged number.
+    pub fn angles_at<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N], Problem> {
+        const MOST_DEG: f64 = 3600.0;
+        let angles = self.numbers_at(keys)?;
+        let mut stated = keys.iter().zip(angles);
+        match stated.find(|(_, angle_deg)| angle_deg.abs() > MOST_DEG) {
+            None => Ok(angles),
+            Some((key, value)) => Err(Problem::OutOfRange {
+                what: self.key(key)?.path().to_owned(),
+                value,
+                wanted: "an angle in degrees",
+            }),
+        }
+    }
+
     /// A list of `N` numbers.
     pub fn numbers<const N: usize>(&self) -> Result<[f64; N], Problem> {
         let found = self.count()?;

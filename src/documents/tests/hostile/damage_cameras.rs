@@ -18,6 +18,7 @@ pub fn add(damage: &mut Damage) {
         Format::OpenCv => opencv(damage),
         Format::OpenTrackIo => opentrackio(damage),
         Format::Fifa => fifa(damage),
+        Format::Lens => lens(damage),
         Format::FreeD => freed(damage),
         Format::FreeDCsv => freed_csv(damage),
         Format::DeepSport => deepsport(damage),
@@ -319,6 +320,23 @@ fn opentrackio(damage: &mut Damage) {
         "{\"width\":1e-320",
     );
     damage.swap("a-frame-twice", "; 0002", "; 0001");
+}
+
+fn lens(damage: &mut Damage) {
+    damage.options("no-size", |options| options.size = None);
+    damage.options("no-sensor", |options| options.sensor_width_mm = None);
+    for (name, value) in [
+        ("a-word", "wide"),
+        ("zero", "0"),
+        ("divided-by-zero", "32/0"),
+        ("unknown", "65535/65535"),
+        ("no-number", "NaN"),
+        ("endless", "1e999"),
+    ] {
+        damage.swap(name, "19,A001,32", &format!("19,A001,{value}"));
+    }
+    damage.swap("another-column", "Focal Length (mm)", "Focus Distance (ft)");
+    damage.swap("a-field-too-few", ",32.5", "");
 }
 
 fn fifa(damage: &mut Damage) {

@@ -96,7 +96,7 @@ fn every_option_of_an_export_is_heeded_or_not_declared() {
     let mut wrong = Vec::new();
     for format in Format::all().filter(|format| format.exports()) {
         let plain = written(format, None);
-        for option in FormatOption::ALL {
+        for option in FormatOption::all() {
             let is_declared = format.takes(option, Direction::Export);
             // Reading has these, and they are never given to an export.
             let is_heeded = written(format, Some(option)) != plain;
@@ -126,6 +126,7 @@ fn set_reading(option: FormatOption, options: &mut ImportOptions) {
         }
         FormatOption::Zoom => options.zoom = Some(Zoom::Table(vec![(0.0, 1e3), (1e4, 9e4)])),
         FormatOption::SensorMm => options.sensor_width_mm = Some(7.0),
+        FormatOption::Undistorted => options.undistorted = true,
         FormatOption::Template => options.homographies.plan = Some(GroundPlan::CornerMetres),
         FormatOption::Direction => {
             options.homographies.direction = Some(MatrixDirection::ImageFromPitch);
@@ -164,7 +165,7 @@ fn every_option_of_an_import_is_heeded_or_not_declared() {
             sample.options.zoom = Some(Zoom::FocalMmX100);
             sample.options.sensor_width_mm = Some(9.6);
         }
-        for option in FormatOption::ALL {
+        for option in FormatOption::all() {
             if OF_THE_COMMAND.contains(&option) {
                 continue;
             }
@@ -208,7 +209,7 @@ fn an_option_that_is_not_taken_is_refused_with_the_formats_that_take_it() {
     );
     let taken = Format::Coco.refuse_options([FormatOption::Size], Direction::Export);
     assert!(taken.is_ok());
-    for option in FormatOption::ALL {
+    for option in FormatOption::all() {
         let takers = [Direction::Export, Direction::Import].map(|way| option.takers(way).len());
         assert!(takers != [0, 0], "--{} is for no format", option.name());
     }

@@ -39,6 +39,9 @@ impl Sample {
             },
             ..ImportOptions::default()
         };
+        if format == Format::Lens {
+            options.sensor_width_mm = Some(24.0);
+        }
         if format == Format::DeepSport {
             options.field = FieldSpec::new("basketball_fiba");
         }
@@ -134,6 +137,7 @@ fn files(format: Format) -> NamedFiles {
         Format::Cvat => one("annotations.xml", CVAT),
         Format::Points => one("points.csv", POINTS),
         Format::Homographies => one("homographies.csv", HOMOGRAPHIES),
+        Format::Lens => one("lens.csv", LENS),
         Format::DeepSport => one("camcourt1_7.json", DEEPSPORT),
         Format::PnlCalib => one("0001.json", PNLCALIB),
         Format::AuthorsMat => vec![(
@@ -186,6 +190,11 @@ const HOMOGRAPHIES: &str = "image,homography
  [0.06323405255, 1.01070678755, -824.93520766999], [0, -0.01592175417, 1]]\"
 0002.jpg,\"[[-0.2852303786, 0.01228222517, 117.69701651986],
  [0.06323405255, 1.01070678755, -824.93520766999], [0, -0.01592175417, 1]]\"
+";
+
+const LENS: &str = "Timecode,Clip Name,Focal Length (mm)
+16:47:04:19,A001,32
+16:47:04:20,A001,32.5
 ";
 
 const POINTS: &str = "frame,label,x,y

@@ -4,8 +4,9 @@ use super::typed::Typed;
 use egui::{ComboBox, DragValue, Ui};
 use touchline_core::geometry::ImageSize;
 use touchline_documents::exchange::{
-    Direction, ExportOptions, Format, FormatOption, Gaps, ImportOptions, KeypointNames, LabelMap,
-    PointSource, Rate, Recording, Timecode, Zoom,
+    Direction, ExportOptions, Format, FormatOption, Gaps, GroundPlan, HomographyOptions,
+    ImportOptions, KeypointNames, LabelMap, MatrixDirection, PointSource, Rate, Recording,
+    Timecode, Zoom,
 };
 
 /// The pages, for the texts that are typed on them.
@@ -151,7 +152,92 @@ pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) 
         if takes(FormatOption::SensorMm) {
             sensor(ui, IMPORT, &mut options.sensor_width_mm);
         }
+        if takes(FormatOption::Undistorted) {
+            ui.checkbox(&mut options.undistorted, "pictures without distortion")
+                .on_hover_text("What the file states of distortion was taken out of them.");
+        }
     });
+    if takes(FormatOption::Template) {
+        homographies(ui, &mut options.homographies);
+    }
+}
+
+/// What a table of homographies leaves open.
+fn homographies(ui: &mut Ui, options: &mut HomographyOptions) {
+    const PLANS: [(GroundPlan, &str); 4] = [
+        (GroundPlan::CentreMetres, "metres from the middle"),
+        (GroundPlan::CornerMetres, "metres from the far left corner"),
+        (GroundPlan::WorldCup2014, "template of World Cup 2014"),
+        (GroundPlan::ShuttleSet, "ShuttleSet's court"),
+    ];
+    const DIRECTIONS: [(MatrixDirection, &str); 2] = [
+        (MatrixDirection::PitchFromImage, "picture to field"),
+        (MatrixDirection::ImageFromPitch, "field to picture"),
+    ];
+    ui.horizontal(|ui| {
+        choice(
+            ui,
+            "Plane",
+            "The plane that the matrices map to or from.",
+            &PLANS,
+            &mut options.plan,
+        );
+        let tip = "Where a matrix leads; ShuttleSet's lead to the field.";
+        choice(ui, "Direction", tip, &DIRECTIONS, &mut options.direction);
+    });
+    ui.horizontal(|ui| {
+        let tip = "The column of the matrix; open: found by its name.";
+        column(
+            ui,
+            "Matrix column",
+            tip,
+            "homography",
+            &mut options.matrix_column,
+        );
+        let tip = "The column of the picture's name; open: found by its name.";
+        column(ui, "Name column", tip, "image", &mut options.name_column);
+    });
+}
+
+/// The name of a column.
+fn column(ui: &mut Ui, name: &str, tip: &str, example: &str, column: &mut Option<String>) {
+    let typed = Typed {
+        page: IMPORT,
+        name,
+        tip,
+        example,
+        width: 120.0,
+        text: String::clone,
+        read: |text: &str| Some(text.to_owned()),
+    };
+    typed.show(ui, column);
+}
+
+/// A choice of one of a few values, or of none.
+fn choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    tip: &str,
+    values: &[(T, &str)],
+    chosen: &mut Option<T>,
+) {
+    ui.label(name);
+    let mut known = values.iter();
+    let shown = known.find(|(value, _)| Some(*value) == *chosen);
+    let combo = ComboBox::from_id_salt(name)
+        .width(180.0)
+        .selected_text(shown.map_or("not stated", |(_, name)| name))
+        .show_ui(ui, |ui| {
+            for (value, name) in values {
+                if ui
+                    .selectable_label(*chosen == Some(*value), *name)
+                    .clicked()
+                {
+                    *chosen = Some(*value);
+                }
+            }
+        });
+    combo.response.on_hover_text(tip);
 }
 
 /// The size of pictures, px.
@@ -270,24 +356,14 @@ fn recording(ui: &mut Ui, recording: &mut Recording) {
         .show(ui, &mut recording.start);
     });
     ui.horizontal(|ui| {
-        ui.label("Perspective");
-        let shown = recording.perspective.as_deref().unwrap_or("not chosen");
-        let combo = ComboBox::from_id_salt("perspective")
-            .width(160.0)
-            .selected_text(shown)
-            .show_ui(ui, |ui| {
-                for name in Recording::PERSPECTIVES {
-                    if ui
-                        .selectable_label(recording.perspective.as_deref() == Some(name), name)
-                        .clicked()
-                    {
-                        recording.perspective = Some(name.to_owned());
-                    }
-                }
-            });
-        combo
-            .response
-            .on_hover_text("Which of the stadium's cameras it is.");
+        let names = Recording::PERSPECTIVES.map(|name| (name, name));
+        let mut chosen = names
+            .into_iter()
+            .map(|(name, _)| name)
+            .find(|name| recording.perspective.as_deref() == Some(name));
+        let tip = "Which of the stadium's cameras it is.";
+        choice(ui, "Perspective", tip, &names, &mut chosen);
+        recording.perspective = chosen.map(ToOwned::to_owned);
         ui.checkbox(&mut recording.is_automated, "no operator")
             .on_hover_text("The camera is not operated by a person.");
     });

@@ -53,13 +53,57 @@ const LISTS: [&[u8]; 5] = [
 /// # Errors
 /// The file cannot be read, or begins as no container that holds its own pictures does.
 pub(super) fn container_of(path: &Path) -> Result<Container, MediaError> {
+    let head = head_of(path)?;
+    if let Some(kind) = foreign_picture(&head) {
+        return Err(MediaError::UnsupportedImage {
+            path: path.to_path_buf(),
+            what: kind.to_owned(),
+        });
+    }
+    container_by_head(&head).ok_or_else(|| MediaError::NotAVideo {
+        path: path.to_path_buf(),
+    })
+}
+
+/// The error of a file in which a reader finds no video: one that begins as a video was probably not
+/// written or copied to its end.
+pub(super) fn no_video_in(path: &Path) -> MediaError {
+    let is_begun = head_of(path).is_ok_and(|head| container_by_head(&head).is_some());
+    let path = path.to_path_buf();
+    if is_begun {
+        MediaError::NoFrames { path }
+    } else {
+        MediaError::NotAVideo { path }
+    }
+}
+
+/// The first bytes of a file.
+fn head_of(path: &Path) -> Result<Vec<u8>, MediaError> {
     let mut head = Vec::new();
     open_file(path)?
         .take(HEAD_BYTES)
         .read_to_end(&mut head)
         .map_err(|error| MediaError::from_io(path, &error))?;
-    container_by_head(&head).ok_or_else(|| MediaError::NotAVideo {
-        path: path.to_path_buf(),
+    Ok(head)
+}
+
+/// The kind of a file that holds pictures which no video reader shows as they are: those of
+/// telephones lie in boxes as MP4 does, in tiles.
+fn foreign_picture(head: &[u8]) -> Option<&'static str> {
+    const BRANDS: [&[u8]; 7] = [
+        b"heic", b"heix", b"heim", b"heis", b"mif1", b"avif", b"avis",
+    ];
+    if head.starts_with(b"%PDF") {
+        return Some("PDF");
+    }
+    let brand = head
+        .get(8..12)
+        .filter(|_| head.get(4..8) == Some(b"ftyp"))?;
+    let is_picture = BRANDS.contains(&brand);
+    is_picture.then_some(if brand.starts_with(b"av") {
+        "AVIF"
+    } else {
+        "HEIC"
     })
 }
 
@@ -183,6 +227,28 @@ mod tests {
         }
         assert_eq!(demuxer(&packets[..400]), None, "two packets");
         assert_eq!(demuxer(&[0; 64]), None);
+    }
+
+    #[test]
+    fn pictures_of_telephones_and_documents_want_another_conversion() {
+        let place = tempfile::tempdir().unwrap();
+        let refused = |bytes: &[u8]| {
+            let path = place.path().join("a.mp4");
+            std::fs::write(&path, bytes).unwrap();
+            container_of(&path).unwrap_err().to_string()
+        };
+        for (head, kind) in [
+            (&b"\0\0\0\x18ftypheic\0\0\0\0"[..], "HEIC"),
+            (b"\0\0\0\x1cftypavif\0\0\0\0", "AVIF"),
+            (b"%PDF-1.7\n", "PDF"),
+        ] {
+            let said = refused(head);
+            let remedy = format!("({kind}); convert it to PNG or JPEG");
+            assert!(said.ends_with(&remedy), "{said}");
+        }
+        let half = place.path().join("half.mp4");
+        std::fs::write(&half, b"\0\0\0\x20ftypisom\0\0\x02\0isomiso2avc1mp41").unwrap();
+        assert!(no_video_in(&half).to_string().contains("copy it again"));
     }
 
     #[test]

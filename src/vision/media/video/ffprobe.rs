@@ -1,5 +1,6 @@
 //! What a container states about its video, as the program `ffprobe` reports it.
 
+use super::container::no_video_in;
 use super::process::{Process, as_file, output_of};
 use super::{StatedProperties, turned_aspect};
 use crate::media::MediaError;
@@ -43,9 +44,7 @@ impl Stream {
         // reader.
         let described =
             output.and_then(|output| Self::from_properties(demuxer, &Properties::read(&output)));
-        described.ok_or_else(|| MediaError::NotAVideo {
-            path: path.to_path_buf(),
-        })
+        described.ok_or_else(|| no_video_in(path))
     }
 
     fn from_properties(demuxer: &'static str, properties: &Properties) -> Option<Self> {

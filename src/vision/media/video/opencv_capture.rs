@@ -10,6 +10,7 @@
 //!   beginning with remnants of earlier ones, whose times go back.
 //! - A file that it cannot read is no error; it is just not open.
 
+use super::container::no_video_in;
 use super::{Capture, StatedProperties, turned_aspect};
 use crate::media::picture::byte_count;
 use crate::media::{MediaError, Picture, one_line};
@@ -66,9 +67,7 @@ impl OpenCvCapture {
             VideoCapture::from_file_with_params(&absolute, videoio::CAP_FFMPEG, &parameters)
                 .ok()
                 .filter(|inner| inner.is_opened().unwrap_or(false))
-                .ok_or_else(|| MediaError::NotAVideo {
-                    path: path.to_path_buf(),
-                })?;
+                .ok_or_else(|| no_video_in(path))?;
         Ok(Self {
             stated: read_properties(&inner),
             inner,

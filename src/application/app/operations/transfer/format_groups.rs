@@ -53,6 +53,7 @@ pub fn group_and_name(format: Format) -> (FormatGroup, &'static str) {
         Format::OpenTrackIo => (G::Production, "OpenTrackIO"),
         Format::Usda => (G::Production, "USD camera"),
         Format::Chan => (G::Production, "Nuke camera (chan)"),
+        Format::Lens => (G::Production, "Focal lengths of a recorder (table)"),
         Format::Cdf => (G::Production, "Common Data Format"),
         Format::SoccerNet => (G::Research, "SoccerNet cameras"),
         Format::SoccerNetLines => (G::Research, "SoccerNet lines"),

@@ -15,8 +15,10 @@
 //! is still drawn with the nominal base. The lines then miss the points that were clicked (with 0.5
 //! m of base error by 8–16 px instead of 3–6 px). It is therefore not used.
 
+mod ground;
 mod overlay;
 
+pub use ground::GroundError;
 pub use overlay::CornerSigma;
 pub(in crate::solve) use overlay::{OverlayPoint, corners};
 

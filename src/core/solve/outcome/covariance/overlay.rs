@@ -37,11 +37,13 @@ impl CornerSigma {
 pub(in crate::solve) struct OverlayPoint {
     pub(super) by_ptz: Matrix2x3<f64>,
     pub(super) by_base: SMatrix<f64, 2, SHARED_COLUMNS>,
+    /// The pixel by the point's own x and y in `world`, px/m.
+    pub(super) image_by_ground: Matrix2<f64>,
 }
 
 impl OverlayPoint {
     /// The overlay point of a world point; none where it has no image.
-    fn at_world(camera: &PtzCamera, point_in_world: Vec3) -> Option<Self> {
+    pub(super) fn at_world(camera: &PtzCamera, point_in_world: Vec3) -> Option<Self> {
         let here = camera.image_from_world_jacobian(point_in_world).ok()?;
         let by_image = Matrix2::identity();
         let by_base = by_shared(
@@ -55,6 +57,7 @@ impl OverlayPoint {
         Some(Self {
             by_ptz: here.by_ptz,
             by_base,
+            image_by_ground: here.by_world.fixed_columns::<2>(0).into_owned(),
         })
     }
 
@@ -241,7 +244,10 @@ impl Uncertainty {
 
     /// M L: how the overlay at a point moves, in px, for one σ of each independent component of the
     /// base error, when pan, tilt and focal length respond to it by K.
-    fn by_base_in_sigmas(&self, point: &OverlayPoint) -> SMatrix<f64, 2, SHARED_COLUMNS> {
+    pub(super) fn by_base_in_sigmas(
+        &self,
+        point: &OverlayPoint,
+    ) -> SMatrix<f64, 2, SHARED_COLUMNS> {
         (point.by_base - point.by_ptz * self.by_base) * self.base_root
     }
 }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Frames with one position and one pan axis share a camera, whatever their lenses. The camera's
 /// lens is that of its first frame. Frames of which only the lens is known belong to the first
 /// camera of their video; they have the status `new` and no `ptz`.
-pub(super) fn document_with_lenses(
+pub(in crate::exchange) fn document_with_lenses(
     field: FieldSpec,
     frames: &[View],
     exact: Exactness,

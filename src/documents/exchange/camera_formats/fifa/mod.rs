@@ -30,7 +30,7 @@ use crate::exchange::format_options::{self, FormatOption};
 use crate::exchange::options::{ImportOptions, Rotations};
 use crate::exchange::syntax::npz::{Npz, archive_to_bytes};
 use arrays::{Sequence, arrays_of};
-use lenses::document_with_lenses;
+pub(super) use lenses::document_with_lenses;
 use touchline_core::geometry::ImageSize;
 
 /// The format.

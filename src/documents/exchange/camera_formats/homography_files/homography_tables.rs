@@ -131,24 +131,33 @@ fn matrix_of_row(row: &TableRow<'_>, column: Option<&str>) -> Result<Mat3, Probl
 
 /// The map from the ground to the drawing of a row of `ShuttleSet` that states the court's corners
 /// in the picture; none where it does not, or the corners are no upright rectangle of the drawing.
-fn drawing_of_corners(row: &TableRow<'_>, h: &Mat3, field: &FieldModel) -> Option<Mat3> {
+///
+/// # Errors
+/// One of the corners is missing, or is no number: with the usual drawing in its place the camera
+/// would stand elsewhere.
+fn drawing_of_corners(
+    row: &TableRow<'_>,
+    h: &Mat3,
+    field: &FieldModel,
+) -> Result<Option<Mat3>, Problem> {
     /// Corners of a rectangle agree this well, px of the drawing.
     const EXACT_PX: f64 = 0.1;
+    let mut columns = SHUTTLE_CORNERS.iter().flatten();
+    if columns.all(|column| row.text(column).is_none()) {
+        return Ok(None);
+    }
     let corner = |[x, y]: [&str; 2]| {
-        let (x, y) = (row.find(x).ok()??, row.find(y).ok()??);
-        let drawn = h * Vec3::new(x, y, 1.0);
-        Some(drawn.xy() / drawn.z)
+        let drawn = h * Vec3::new(row.number(x)?, row.number(y)?, 1.0);
+        Ok(drawn.xy() / drawn.z)
     };
-    let corners = SHUTTLE_CORNERS.map(corner);
-    let [Some(a), Some(b), Some(c), Some(d)] = corners else {
-        return None;
-    };
+    let [a, b, c, d] = SHUTTLE_CORNERS;
+    let (a, b, c, d) = (corner(a)?, corner(b)?, corner(c)?, corner(d)?);
     let off_px = [a.x - c.x, b.x - d.x, a.y - b.y, c.y - d.y];
     let is_upright = off_px.iter().all(|off_px| off_px.abs() < EXACT_PX);
     // The court of another drawing is nearly where the usual one is.
     let [left, top, ..] = SHUTTLE_COURT_PX;
     let is_near = (a.x - left).hypot(a.y - top) < 0.1 * (SHUTTLE_COURT_PX[3] - top);
-    (is_upright && is_near).then(|| shuttle_from_ground([a.x, a.y, d.x, d.y], field))
+    Ok((is_upright && is_near).then(|| shuttle_from_ground([a.x, a.y, d.x, d.y], field)))
 }
 
 fn read_table(bytes: &[u8], reading: &Reading<'_>) -> Result<Vec<FrameCamera>, Problem> {
@@ -187,8 +196,12 @@ fn read_table(bytes: &[u8], reading: &Reading<'_>) -> Result<Vec<FrameCamera>, P
             let h = matrix_of_row(&row, column.as_deref())?;
             let is_shuttle = reading.plan == GroundPlan::ShuttleSet
                 && reading.direction == MatrixDirection::PitchFromImage;
-            let own = is_shuttle.then(|| drawing_of_corners(&row, &h, &reading.field));
-            reading.frame(&name, &h, own.flatten())
+            let own = if is_shuttle {
+                drawing_of_corners(&row, &h, &reading.field)?
+            } else {
+                None
+            };
+            reading.frame(&name, &h, own)
         });
         frames.add(&name, None, read);
         if frames.has_only_damaged() {

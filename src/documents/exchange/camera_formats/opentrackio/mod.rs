@@ -81,6 +81,7 @@ impl CameraFormat for OpenTrackIo {
                 FormatOption::Images,
                 FormatOption::Size,
                 FormatOption::SensorMm,
+                FormatOption::Undistorted,
             ],
         }
     }

@@ -101,7 +101,7 @@ fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
         let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
         // Each transform is in the axes of the one before: a crane, its arm, its head.
         place += rotation * Vec3::from(t.numbers_at(["x", "y", "z"])?);
-        rotation *= world_from_body(r.numbers_at(["pan", "tilt", "roll"])?);
+        rotation *= world_from_body(r.angles_at(["pan", "tilt", "roll"])?);
     }
     Ok((rotation, place))
 }
@@ -231,7 +231,7 @@ fn radial(lens: &Node<'_>, screen: &Screen) -> Result<(Radial, f64), Problem> {
     Err(Problem::Unsupported {
         what: format!("lens.distortion: it is {far} where k1 and k2 are nearest, so that it"),
         why: "up to 0.05 px is taken; take it out of the pictures with a tool that knows it, and \
-         remove lens.distortion from the samples",
+         give --undistorted",
     })
 }
 
@@ -302,7 +302,11 @@ pub(super) fn read_sample(
         mm_per_px,
         focal_mm,
     };
-    let (radial, off_px) = radial(&lens, &screen)?;
+    let (radial, off_px) = if options.undistorted {
+        (Radial::default(), 0.0)
+    } else {
+        radial(&lens, &screen)?
+    };
     let pinhole = Pinhole {
         // From the body's axes to the camera's. The entrance pupil, which is the centre of
         // projection, lies ahead of the tracked point along the body's y axis.

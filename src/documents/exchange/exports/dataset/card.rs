@@ -280,7 +280,17 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
             click.target.is_some() && !click.is_on_line() && click.check == check
         })
     });
-    text.push_str("\n## Quality\n\nEach figure says in how many frames (or of how many clicks) it is known; what is not known is not counted as good.\n");
+    let sizes: BTreeSet<[u32; 2]> = frames.iter().map(|frame| frame.image_size.into()).collect();
+    let sizes: Vec<String> = sizes
+        .into_iter()
+        .map(|[width, height]| format!("{width} × {height}"))
+        .collect();
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
+        "\n## Quality\n\npx are of pictures of {}. Each figure says in how many frames (or of how many clicks) it is known; what is not known is not counted as good.\n",
+        sizes.join(", ")
+    );
     let rows = [
         (
             "clicks on landmarks from the camera's overlay",
@@ -315,6 +325,13 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     table(
         ["figure", "value"],
         rows.map(|(name, value)| (name.to_owned(), value)),
+        text,
+    );
+    let solved = frames.iter().filter_map(|frame| frame.solution.as_ref());
+    table_of_counts(
+        ["places on the ground are good for", "frames"],
+        solved.filter_map(|known| Some(known.ground.as_ref()?.grade.as_str())),
+        |grade| (*grade).to_owned(),
         text,
     );
     // A frame counts once for each kind of warning, however often it has one.

@@ -7,7 +7,7 @@ use crate::document::{Click, Clip, Frame};
 use crate::exchange::syntax::table::{field_text, push_row};
 use touchline_core::geometry::text_cell;
 
-const COLUMNS: [&str; 20] = [
+const COLUMNS: [&str; 22] = [
     "image",
     "split",
     "label",
@@ -28,6 +28,8 @@ const COLUMNS: [&str; 20] = [
     "sha256",
     "undistorted_image",
     "id",
+    "grade",
+    "ground_sigma_m",
 ];
 
 /// The table of the frames of a dataset; each entry has the plan of a frame, the frame in the
@@ -44,8 +46,9 @@ pub fn frames_table(frames: &[(&PlannedFrame, &Frame, &Frame)]) -> String {
     text
 }
 
-fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: &str) -> [String; 20] {
+fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: &str) -> [String; 22] {
     let solution = frame.solution.as_ref();
+    let ground = solution.and_then(|solution| solution.ground.as_ref());
     let video = frame.video.as_ref();
     // Names come from other people's files and folders; a spreadsheet must not calculate them. A
     // number that is negative may stay as it is.
@@ -74,6 +77,8 @@ fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: &str) -> [String; 2
         field_text(frame.sha256.as_deref().map(text_cell)),
         field_text(planned.undistorted.as_deref().map(text_cell)),
         text_cell(frame.id.as_str()),
+        ground.map_or_else(String::new, |ground| ground.grade.as_str().to_owned()),
+        field_text(ground.and_then(|ground| ground.sigma_m)),
     ]
 }
 

@@ -39,6 +39,7 @@ pub use label_origin::LabelOrigin;
 pub use old_dataset::folder_for_new;
 pub use options::{DatasetOptions, PictureFormat, Pictures, SplitBy, Splitting};
 pub(in crate::exchange) use outside::OwnPlaces;
+pub use pictures::encode_picture;
 pub use plan::{DatasetDone, DatasetPlan, PlannedFrame, plan_dataset};
 pub use split::Split;
 pub(super) use templates::with_templates;

@@ -2,6 +2,7 @@
 
 use crate::document::FrameStatus;
 use crate::exchange::options::FrameChoice;
+use image::ImageFormat;
 
 /// Which frames a dataset contains, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,6 +91,14 @@ impl PictureFormat {
         match self {
             Self::Png => "png",
             Self::Jpeg => "jpg",
+        }
+    }
+
+    /// The same for the encoder.
+    pub(super) const fn image_format(self) -> ImageFormat {
+        match self {
+            Self::Png => ImageFormat::Png,
+            Self::Jpeg => ImageFormat::Jpeg,
         }
     }
 

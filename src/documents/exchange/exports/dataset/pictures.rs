@@ -1,22 +1,21 @@
 //! The pictures of a dataset: copied, linked, or decoded and written anew.
 
-use super::options::PictureFormat;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{cannot_read, cannot_write};
 use image::codecs::jpeg::JpegEncoder;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder as _, ImageError};
+use image::error::{ParameterError, ParameterErrorKind};
+use image::{ImageError, ImageFormat, RgbImage};
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
-use std::io;
+use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use touchline_core::files::{folder_of, open_named};
 use touchline_core::geometry::hex;
 use touchline_vision::media::{Picture, sha256_of_file};
 
-/// The quality of JPEG pictures, of 100.
+/// The quality of JPEG pictures, of 100: a second compression should not be seen.
 const JPEG_QUALITY: u8 = 95;
 
 /// A folder being written, and the SHA-256 of every file in it.
@@ -115,32 +114,26 @@ impl<'a> Folder<'a> {
 }
 
 /// A picture encoded in a format.
-pub fn encode_picture(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, ImageError> {
+///
+/// # Errors
+/// The format cannot hold it.
+pub fn encode_picture(picture: &Picture, format: ImageFormat) -> Result<Vec<u8>, ImageError> {
     let size = picture.size();
     // Pictures have no transparency; three bytes a pixel are smaller, and JPEG has no fourth.
-    let rgb: Vec<u8> = picture
-        .rgba()
-        .as_chunks::<4>()
-        .0
-        .iter()
-        .flat_map(|[red, green, blue, _]| [*red, *green, *blue])
-        .collect();
-    let mut bytes = Vec::new();
-    let colour = ExtendedColorType::Rgb8;
-    match format {
-        PictureFormat::Png => {
-            PngEncoder::new(&mut bytes).write_image(&rgb, size.width, size.height, colour)?;
-        }
-        PictureFormat::Jpeg => {
-            JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
-                &rgb,
-                size.width,
-                size.height,
-                colour,
-            )?;
-        }
+    let pixels = picture.rgba().as_chunks::<4>().0.iter();
+    let rgb = pixels.flat_map(|[red, green, blue, _]| [*red, *green, *blue]);
+    let image = RgbImage::from_raw(size.width, size.height, rgb.collect()).ok_or_else(|| {
+        ImageError::Parameter(ParameterError::from_kind(
+            ParameterErrorKind::DimensionMismatch,
+        ))
+    })?;
+    let mut bytes = Cursor::new(Vec::new());
+    if format == ImageFormat::Jpeg {
+        image.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;
+    } else {
+        image.write_to(&mut bytes, format)?;
     }
-    Ok(bytes)
+    Ok(bytes.into_inner())
 }
 
 #[cfg(test)]

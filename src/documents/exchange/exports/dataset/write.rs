@@ -97,7 +97,8 @@ pub fn write_dataset(
     for (name, bytes) in &templates {
         files.write(name, bytes)?;
     }
-    let original = document.into_dataset();
+    let mut original = document.into_dataset();
+    original.state_ground(at.ground_of_frames()?);
     let chosen = chosen(&original, &written.of_frame);
     // Templates are copies in the dataset, and their paths start from its folder. So the fields of
     // `chosen` can be loaded from there alone, and their paths are not relocated.
@@ -289,8 +290,10 @@ fn write_pictures(
             hashes.picture = Some(hash);
         }
         (Some(name), Source::Decoded(_), Some(pixels)) => {
-            hashes.picture =
-                Some(files.write(name, &encode_picture(pixels, options.picture_format)?)?);
+            hashes.picture = Some(files.write(
+                name,
+                &encode_picture(pixels, options.picture_format.image_format())?,
+            )?);
         }
         _ => {}
     }
@@ -298,8 +301,10 @@ fn write_pictures(
         (&planned.undistorted, &pixels, at.document.ptz_camera(frame))
     {
         let straight = undistort_picture(pixels, &camera)?;
-        hashes.undistorted =
-            Some(files.write(name, &encode_picture(&straight, options.picture_format)?)?);
+        hashes.undistorted = Some(files.write(
+            name,
+            &encode_picture(&straight, options.picture_format.image_format())?,
+        )?);
     }
     Ok(Ok(hashes))
 }
