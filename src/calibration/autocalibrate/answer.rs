@@ -44,7 +44,6 @@ pub struct WantedClicks {
 
 impl WantedClicks {
     /// What to click, as a part of a sentence; `label` returns how to name a landmark.
-    #[must_use]
     pub fn describe_landmarks(&self, label: impl Fn(&LandmarkId) -> String) -> String {
         match self.named.as_slice() {
             [one, other] => format!(

@@ -63,7 +63,6 @@ pub enum Abstention {
 
 impl Abstention {
     /// The best answer, although it is not certain.
-    #[must_use]
     pub fn best(&self) -> Option<&AutocalibratedCamera> {
         match self {
             Self::Uncertain { best, .. } => best.as_deref(),

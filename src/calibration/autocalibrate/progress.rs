@@ -75,7 +75,6 @@ pub(super) fn report(
 
 impl AutocalibrationProgress {
     /// The share of the present step that is done, 0 to 1.
-    #[must_use]
     pub fn share_of_step(&self) -> f64 {
         match *self {
             Self::Looking { done, of }

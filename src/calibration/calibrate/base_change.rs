@@ -28,7 +28,6 @@ pub struct CameraChange {
 
 impl CameraChange {
     /// The warning for the user, with the number of the frame in its document.
-    #[must_use]
     pub fn describe(&self, document: &Document) -> String {
         let frame = document.frames.get(self.frame);
         let number = frame.map_or(self.frame, |frame| frame.number_at(self.frame) as usize);
@@ -41,7 +40,6 @@ impl CameraChange {
     }
 
     /// The indices of the camera's frames from the change on.
-    #[must_use]
     pub fn frames(&self, document: &Document) -> Vec<usize> {
         (self.frame..document.frames.len())
             .filter(|index| document.frames[*index].camera == self.camera)
@@ -49,7 +47,6 @@ impl CameraChange {
     }
 
     /// The remedy: these frames assigned to a new camera, with the base that fits them.
-    #[must_use]
     pub fn assignment(&self, document: &Document) -> AssignedFrames {
         AssignedFrames {
             frames: self
@@ -68,7 +65,6 @@ impl CameraChange {
 
 /// The frame from which a camera's base no longer fits, in the document's order; none if it fits
 /// all. Rejected frames and those excluded from the base are ignored. `lookup` is the document's.
-#[must_use]
 pub fn camera_change(
     document: &Document,
     lookup: &FrameLookup,

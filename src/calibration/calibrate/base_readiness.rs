@@ -28,7 +28,6 @@ pub struct BaseReadiness {
 
 impl BaseReadiness {
     /// The contribution of one frame.
-    #[must_use]
     pub fn from_frame(frame: &Frame) -> Self {
         let clicks = frame
             .clicks
@@ -64,13 +63,11 @@ impl BaseReadiness {
     }
 
     /// Whether the base will be well determined.
-    #[must_use]
     pub const fn is_enough(&self) -> bool {
         self.wide >= WIDE_FRAMES
     }
 
     /// The instruction for the user, with the progress so far.
-    #[must_use]
     pub fn describe(&self) -> String {
         format!(
             "On {WIDE_FRAMES} wide frames (left, centre, right) click {LANDMARKS_ALONE} or more landmarks, or two points on as many lines. \
@@ -81,7 +78,6 @@ impl BaseReadiness {
 }
 
 /// The number of landmarks and lines of a frame that count towards [`LANDMARKS_ALONE`].
-#[must_use]
 pub fn points_alone(frame: &Frame) -> usize {
     frame.landmark_clicks() + frame.clicked_line_count()
 }
@@ -89,7 +85,6 @@ pub fn points_alone(frame: &Frame) -> usize {
 /// The frame of a camera to be clicked next for its base: one that shows enough landmarks of the
 /// field, has too few clicks, and looks farthest from those that have enough. Frames whose camera
 /// is not known come last. None if there is no such frame.
-#[must_use]
 pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel) -> Option<usize> {
     let of_camera = || {
         document

@@ -96,7 +96,6 @@ pub struct JoinedChange {
 
 impl BulkSolve {
     /// Number of frames that are solved again.
-    #[must_use]
     pub fn frames(&self) -> usize {
         self.count_frames_to_solve(&self.change.places(&self.document))
     }
@@ -146,13 +145,11 @@ impl BulkSolve {
 
 impl BulkSolved {
     /// The change that was computed.
-    #[must_use]
     pub const fn change(&self) -> &BulkChange {
         &self.work.change
     }
 
     /// The change, for computing it again from the current document.
-    #[must_use]
     pub fn change_for(&self, now: &Document) -> BulkChange {
         match &self.work.change {
             BulkChange::Numbers(numbers) => {

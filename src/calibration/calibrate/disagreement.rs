@@ -38,7 +38,6 @@ impl Disagreement {
     /// Whether the camera is exactly still from the frame before to the one after. An operator
     /// never holds a camera that still for long; if the picture moves meanwhile, the solutions
     /// follow something that is fixed on the screen.
-    #[must_use]
     pub fn is_still(&self) -> bool {
         self.apart_px.max(self.neighbours_px) < STILL_PX
     }
@@ -46,7 +45,6 @@ impl Disagreement {
 
 /// The disagreement of every frame with its neighbours in time; none for a frame that is not solved
 /// or that lacks a neighbour on one side in its shot.
-#[must_use]
 pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
     Disagreements::from_document(document).found
 }
@@ -74,14 +72,12 @@ type ShotKey = (CameraId, Option<Clip>);
 
 impl Disagreements {
     /// The disagreements of a document.
-    #[must_use]
     pub fn from_document(document: &Document) -> Self {
         Self::anew(document, 0)
     }
 
     /// The disagreement of a frame with its neighbours; none for a frame that is not solved or that
     /// lacks a neighbour on one side in its shot.
-    #[must_use]
     pub fn for_frame(&self, index: usize) -> Option<Disagreement> {
         self.found.get(index).copied().flatten()
     }
@@ -92,13 +88,11 @@ impl Disagreements {
     }
 
     /// A counter that grows with every change of a disagreement.
-    #[must_use]
     pub const fn edition(&self) -> u64 {
         self.edition
     }
 
     /// The frames whose disagreement has changed since an edition; none if that is too long ago.
-    #[must_use]
     pub fn changes_since(&self, edition: u64) -> Option<&[usize]> {
         let changes = usize::try_from(self.edition.checked_sub(edition)?).ok()?;
         self.changed.get(self.changed.len().checked_sub(changes)?..)

@@ -14,7 +14,6 @@ const CHOSEN: usize = 6;
 ///
 /// Greedy: the next frame is the one that adds most landmarks not yet among the gold frames, and
 /// among equals the one whose pan is farthest from all their pans.
-#[must_use]
 pub fn choose_gold(document: &Document) -> Vec<usize> {
     let gold: Vec<&Frame> = document
         .frames
@@ -72,7 +71,6 @@ fn pan_or_zero(frame: &Frame) -> Angle {
 
 /// Whether [`choose_gold`] would choose any frame, given the numbers of gold frames and of others
 /// that could be gold (see [`Frame::why_not_gold`]).
-#[must_use]
 pub const fn can_choose_gold(gold: usize, others: usize) -> bool {
     gold < CHOSEN && others > 0
 }

@@ -104,7 +104,6 @@ impl OwnNoise {
 
     /// The same where the frames with repeats are known, by their indices, ascending. The fields
     /// must be as their templates state.
-    #[must_use]
     pub fn estimate_from_frames(
         document: &Document,
         fields: &Fields,
@@ -171,7 +170,6 @@ impl OwnNoise {
     }
 
     /// Number of further repeats needed for an estimate.
-    #[must_use]
     pub const fn missing(&self) -> usize {
         ENOUGH_REPEATS.saturating_sub(self.repeats)
     }

@@ -53,7 +53,6 @@ pub enum SnapFrameError {
 }
 
 /// Checks a solved frame's camera against the paint of its picture; none without a camera.
-#[must_use]
 pub fn check_frame(
     document: &Document,
     frame: &Frame,
@@ -222,7 +221,6 @@ pub fn record_found_by_paint(frame: &mut Frame, base: &CameraBase, found: &Snapp
 
 /// Those of some clicks of a frame whose landmark is certainly painted nearby: the click's index,
 /// and where the landmark is. `camera` may be approximate.
-#[must_use]
 pub fn snap_clicks(
     document: &Document,
     frame: &Frame,

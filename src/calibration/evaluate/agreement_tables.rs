@@ -7,7 +7,6 @@ use touchline_core::score::ClickScatter;
 use touchline_documents::report::Table;
 
 /// A table of landmarks, one row each; those with the largest median distance first.
-#[must_use]
 pub fn agreement_by_landmark(agreement: &Agreement) -> Table {
     let mut table = Table::new(&[
         ("landmark", "landmark"),
@@ -33,7 +32,6 @@ pub fn agreement_by_landmark(agreement: &Agreement) -> Table {
 }
 
 /// A table of frames, one row each.
-#[must_use]
 pub fn agreement_by_frame(agreement: &Agreement) -> Table {
     let mut table = Table::new(&[
         ("frame", "frame"),
@@ -68,7 +66,6 @@ pub fn agreement_by_frame(agreement: &Agreement) -> Table {
 }
 
 /// The agreement as text and tables in the format of `write`.
-#[must_use]
 pub fn agreement_tables(agreement: &Agreement, write: fn(&Table) -> String) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -120,7 +117,6 @@ fn describe_names(frame: &FrameAgreement) -> String {
 }
 
 /// All results as JSON.
-#[must_use]
 pub fn agreement_json(agreement: &Agreement) -> Value {
     let disputes: Vec<Value> = agreement.frames.iter().flat_map(disputes_json).collect();
     // By axis: x points right and y down in the picture.

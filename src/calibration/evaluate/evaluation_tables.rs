@@ -19,7 +19,6 @@ const DRAWN: [Measure; 6] = [
 
 /// The report of an evaluation: its tables, the distributions of its errors, and `IoU` over the
 /// field of view.
-#[must_use]
 pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Report {
     let mut report = Report::new("evaluation", "Evaluation");
     report.text(&evaluation_tables(groups, Table::to_markdown));
@@ -76,7 +75,6 @@ pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Repo
 }
 
 /// A table of every measure of every frame, one row each; frames without scores state the reason.
-#[must_use]
 pub fn frame_scores(evaluation: &Evaluation) -> Table {
     let mut table = Table::new(&[
         ("frame", "Frame"),
@@ -121,7 +119,6 @@ fn describe_sizes(sizes: &[ImageSize]) -> String {
 
 /// All frames together by measure, then group by group, as text and tables in the format of
 /// `write`.
-#[must_use]
 pub fn evaluation_tables(groups: &[FrameGroup], write: fn(&Table) -> String) -> String {
     let mut text = String::new();
     let Some(all) = groups.first() else {

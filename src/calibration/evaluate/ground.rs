@@ -157,7 +157,6 @@ impl CameraPair<'_> {
 
 impl GroundError {
     /// None without a distance.
-    #[must_use]
     pub fn from_distances(distances_m: &[f64]) -> Option<Self> {
         let mut sorted = distances_m.to_vec();
         // Infinite distances are sorted to the end and count in both quantiles.
@@ -176,7 +175,6 @@ impl GroundError {
 
 impl GroundComparison {
     /// The error over the points of all frames; none where there is no point.
-    #[must_use]
     pub fn error(&self) -> Option<GroundError> {
         let all: Vec<f64> = self
             .frames
@@ -187,7 +185,6 @@ impl GroundComparison {
     }
 
     /// All of it, for scripts. Distances that are not finite are null.
-    #[must_use]
     pub fn to_json(&self) -> Value {
         let frames = self.frames.iter().filter_map(|frame| {
             let mut value = GroundError::from_distances(&frame.distances_m)?.to_json();
@@ -204,7 +201,6 @@ impl GroundComparison {
     }
 
     /// The error in one line, for people.
-    #[must_use]
     pub fn to_text(&self) -> String {
         let (point, of_grid) = if self.is_given {
             ("given point", "")

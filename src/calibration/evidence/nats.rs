@@ -39,7 +39,6 @@ pub struct Evidence {
 
 impl Evidence {
     /// Weighs the marking pixels of pictures against the lines that their cameras predict.
-    #[must_use]
     pub fn weigh(field: &FieldModel, pictures: &[(PtzCamera, &MarkingPixels)]) -> Self {
         let seen: Vec<SeenPicture> = pictures
             .par_iter()
@@ -52,7 +51,6 @@ impl Evidence {
     }
 
     /// All of it.
-    #[must_use]
     pub fn nats(&self) -> f64 {
         self.of_lines.iter().sum::<f64>() + self.unexplained
     }

@@ -162,7 +162,6 @@ pub enum NoCamera {
 
 impl NoCamera {
     /// Whether clicks that it names would lead to an answer.
-    #[must_use]
     pub const fn asks_for_clicks(&self) -> bool {
         match self {
             Self::Two { .. } => true,
@@ -173,7 +172,6 @@ impl NoCamera {
 
     /// A message for the user: why no camera is given, and what would help. `document` is the one
     /// whose frames were searched.
-    #[must_use]
     pub fn describe(&self, document: &Document) -> String {
         match self {
             Self::Two {

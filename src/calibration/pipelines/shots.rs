@@ -26,7 +26,6 @@ const LEAST_GROUND: f64 = 0.1;
 
 /// The boundaries of shots that a search found, as a document lists them: the first frame of each
 /// transition and of each shot but the first one.
-#[must_use]
 pub fn shot_starts(cuts: &[FoundCut]) -> Vec<(u64, ShotKind)> {
     let mut starts = Vec::new();
     for cut in cuts {

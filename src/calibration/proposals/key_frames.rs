@@ -28,7 +28,6 @@ pub struct KeyWindow {
 
 impl KeyWindow {
     /// The windows of a document. The forest is queried for every frame that belongs to none.
-    #[must_use]
     pub fn from_document(at: DocumentAt<'_>) -> Vec<Self> {
         clips(at, None)
             .into_iter()

@@ -17,7 +17,6 @@ pub struct DocumentAt<'a> {
 
 impl Document {
     /// The document in its folder.
-    #[must_use]
     pub const fn at<'a>(&'a self, folder: &'a Path) -> DocumentAt<'a> {
         DocumentAt {
             document: self,
@@ -38,7 +37,6 @@ impl DocumentAt<'_> {
     }
 
     /// The document rewritten for another folder: see [`Document::relocate`].
-    #[must_use]
     pub fn relocate(self, to_folder: &Path) -> Document {
         self.document.clone().relocate(self.folder, to_folder)
     }

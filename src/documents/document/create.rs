@@ -28,7 +28,6 @@ pub struct NewDocument {
 ///
 /// Images are read in parallel for their size and SHA-256; each frame is reported to `progress`,
 /// from any thread. If it cancels, frames are missing.
-#[must_use]
 pub fn document_from_frames(
     source: &FrameSource,
     folder: &Path,

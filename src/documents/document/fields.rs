@@ -59,13 +59,11 @@ impl Fields {
     }
 
     /// The field that a frame shows.
-    #[must_use]
     pub fn for_frame(&self, document: &Document, frame: &Frame) -> &Arc<FieldModel> {
         self.for_spec(document.field_of(frame))
     }
 
     /// The field of each camera, in the document's order.
-    #[must_use]
     pub fn per_camera(&self, document: &Document) -> Vec<Arc<FieldModel>> {
         document
             .cameras

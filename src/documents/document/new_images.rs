@@ -43,7 +43,6 @@ impl FolderChanges {
     /// `folder`. New images are read for their size and SHA-256; each is reported to `progress`.
     ///
     /// A document that has every n-th image of a folder is a sample and stays one.
-    #[must_use]
     pub fn find(document: &Document, folder: &Path, progress: &Progress<'_, ()>) -> Self {
         let mut changes = Self::default();
         for (path, known) in known_folders(document, folder) {
@@ -69,7 +68,6 @@ impl FolderChanges {
     }
 
     /// The number of images that came.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.new.iter().map(|run| run.frames.len()).sum()
     }

@@ -5,7 +5,6 @@ use std::path::Path;
 /// What is wrong with a path at which nothing lies, and how to mend it, where its text shows that:
 /// a web address, a home folder that no shell has filled in, a path of another system, standard
 /// input. None for an ordinary path.
-#[must_use]
 pub fn hint_for_missing(path: &Path) -> Option<&'static str> {
     let text = path.to_str()?;
     let is_drive = |text: &str| {

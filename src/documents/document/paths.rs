@@ -50,7 +50,6 @@ const NOT_UTF8: char = char::REPLACEMENT_CHARACTER;
 impl Document {
     /// The first path whose file cannot be found because the name of a folder or file is not UTF-8,
     /// which the document requires.
-    #[must_use]
     pub fn unwritable_path(&self, folder: &Path) -> Option<&str> {
         let mut paths = self.frames.iter().flat_map(|frame| {
             let video = frame.video.as_ref().map(|video| video.path.as_str());
@@ -75,7 +74,6 @@ fn is_absolute(path: &str) -> bool {
 
 /// The path of a file relative to a folder, with `/` between the parts; absolute where they share
 /// no root.
-#[must_use]
 pub fn path_between(folder: &Path, file: &Path) -> String {
     let (folder, file) = (normalise(folder), normalise(file));
     // Without a common root, such as on another drive, no relative path leads there.
@@ -95,7 +93,6 @@ pub fn path_between(folder: &Path, file: &Path) -> String {
 }
 
 /// A path with symbolic links resolved as far as it exists; the rest is kept as it is written.
-#[must_use]
 pub fn resolve_path(path: &Path) -> PathBuf {
     // The file need not exist: the longest ancestor that does is resolved, and the rest is
     // appended. The root always exists, so the last line is for systems that refuse it.

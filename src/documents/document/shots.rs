@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 /// The frames of every shot, by their indices and in order; the shots in the order in which they
 /// begin. Frames of one camera without a shot form one.
-#[must_use]
 pub fn shots(document: &Document) -> Vec<Vec<usize>> {
     let mut known: BTreeMap<(&CameraId, Option<&Clip>), usize> = BTreeMap::new();
     let mut shots: Vec<Vec<usize>> = Vec::new();

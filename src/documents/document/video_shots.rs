@@ -73,7 +73,6 @@ pub enum ShotsError {
 impl VideoShots {
     /// The shots of a video as a search found them: `cuts` has the first frame of every shot but
     /// the first, and how it was found; `last` is the video's last frame.
-    #[must_use]
     pub fn from_cuts(
         document: &Document,
         video: &str,
@@ -107,7 +106,6 @@ impl VideoShots {
     /// The shots of a video as a search found them, with what people have marked in the document
     /// that it is written to: their cuts stay, and a cut of `known`, those of the time when the
     /// search began, that they have removed or moved since does not come back.
-    #[must_use]
     pub fn from_search(document: &Document, video: &str, found: FoundCuts<'_>) -> Self {
         let marked = Self::from_document(document, video);
         let marked_starts = marked.as_ref().map_or(&[][..], |marked| &marked.starts);
@@ -158,7 +156,6 @@ impl VideoShots {
     }
 
     /// The shots of a video that a document has; none where it has none.
-    #[must_use]
     pub fn from_document(document: &Document, video: &str) -> Option<Self> {
         let numbers = numbers(document, video);
         let mut last = numbers.last()?.0;
@@ -192,7 +189,6 @@ impl VideoShots {
     }
 
     /// The first frame of every shot, and how it was found.
-    #[must_use]
     pub fn starts(&self) -> impl ExactSizeIterator<Item = (u64, ShotKind)> {
         self.starts
             .iter()
@@ -200,7 +196,6 @@ impl VideoShots {
     }
 
     /// The first frame of the shot that a frame belongs to.
-    #[must_use]
     pub fn start_of(&self, frame: u64) -> u64 {
         self.starts
             .iter()
@@ -352,7 +347,6 @@ impl VideoShots {
 
 /// Whether each frame of a document lies in a transition between two shots; such frames show two
 /// pictures or none, and get no camera.
-#[must_use]
 pub fn frames_in_transitions(document: &Document) -> Vec<bool> {
     let mut inside = vec![false; document.frames.len()];
     for (place, shot) in shots_of_frames(document).into_iter().enumerate() {
@@ -362,7 +356,6 @@ pub fn frames_in_transitions(document: &Document) -> Vec<bool> {
 }
 
 /// For each frame of a document, the index of the shot that the document lists it in.
-#[must_use]
 pub fn shots_of_frames(document: &Document) -> Vec<Option<usize>> {
     // The shots of each video, by their first frames.
     let mut of_video: BTreeMap<&str, Vec<(u64, u64, usize)>> = BTreeMap::new();

@@ -534,7 +534,6 @@ pub enum Problem {
 
 impl Problem {
     /// The problem in a file.
-    #[must_use]
     pub(crate) fn within(self, file: &str) -> ExchangeError {
         ExchangeError::File {
             file: file.to_owned(),

@@ -31,7 +31,6 @@ pub fn folder_prefix(path: &str) -> &str {
 }
 
 /// A file's ending in small letters; empty where it has none.
-#[must_use]
 pub fn ending_of(name: &str) -> String {
     let ending = base_name(name).rsplit_once('.').map(|(_, ending)| ending);
     ending.unwrap_or_default().to_ascii_lowercase()
@@ -53,7 +52,6 @@ pub struct Files(BTreeMap<String, Vec<u8>>);
 
 impl Files {
     /// One file.
-    #[must_use]
     pub fn one(name: &str, bytes: Vec<u8>) -> Self {
         Self(BTreeMap::from([(name.to_owned(), bytes)]))
     }
@@ -64,7 +62,6 @@ impl Files {
     }
 
     /// All files by name, in natural order of the numbers within the names.
-    #[must_use]
     pub fn sorted_entries(&self) -> Vec<(&str, &[u8])> {
         let mut files: Vec<(&str, &[u8])> = self
             .0
@@ -93,19 +90,16 @@ impl Files {
     }
 
     /// A file by name.
-    #[must_use]
     pub fn get(&self, name: &str) -> Option<&[u8]> {
         self.0.get(name).map(Vec::as_slice)
     }
 
     /// How many there are.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
     /// Whether there is none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -152,7 +152,6 @@ impl FormatOption {
     }
 
     /// Its name on the command line, behind two hyphens.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         OPTIONS[self as usize].1
     }

@@ -21,7 +21,6 @@ pub struct FrameChoice {
 
 impl FrameChoice {
     /// Every frame, rejected ones too.
-    #[must_use]
     pub fn everything() -> Self {
         Self {
             statuses: FrameStatus::ALL.to_vec(),
@@ -30,7 +29,6 @@ impl FrameChoice {
     }
 
     /// Frames that the user clicked or accepted; unreviewed suggestions are excluded.
-    #[must_use]
     pub fn reviewed_frames() -> Self {
         Self {
             statuses: vec![FrameStatus::Reference, FrameStatus::Draft],
@@ -105,7 +103,6 @@ impl Recording {
     ];
 
     /// Whether a text is a time in UTC such as `2026-03-01T18:59:30Z`.
-    #[must_use]
     pub fn is_start(text: &str) -> bool {
         // jiff also reads offsets such as +01:00, which the Common Data Format does not allow.
         text.ends_with('Z') && text.parse::<jiff::Timestamp>().is_ok()
@@ -230,7 +227,6 @@ pub enum Pixels {
 
 impl Pixels {
     /// The shift of a coordinate to the corner convention, px.
-    #[must_use]
     pub const fn to_corner_px(self) -> f64 {
         match self {
             Self::Corner => 0.0,
@@ -324,7 +320,6 @@ impl GroundPlan {
     ];
 
     /// Its name on the command line.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::CentreMetres => "centre-m",
@@ -335,7 +330,6 @@ impl GroundPlan {
     }
 
     /// The field that it is usually of.
-    #[must_use]
     pub const fn usual_field(self) -> &'static str {
         match self {
             Self::ShuttleSet => "badminton",
@@ -358,7 +352,6 @@ impl MatrixDirection {
     pub const ALL: [Self; 2] = [Self::PitchFromImage, Self::ImageFromPitch];
 
     /// Its name, as JSON lines of homographies state it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::PitchFromImage => "pitch_from_image",

@@ -26,19 +26,16 @@ impl Rate {
     ];
 
     /// A rate of `frames` in `seconds`.
-    #[must_use]
     pub const fn new(frames: u32, seconds: u32) -> Self {
         Self { frames, seconds }
     }
 
     /// Frames per second.
-    #[must_use]
     pub fn per_second(self) -> f64 {
         f64::from(self.frames) / f64::from(self.seconds)
     }
 
     /// The usual rate within 0.02 % of a measured one.
-    #[must_use]
     pub fn nearest(per_second: f64) -> Option<Self> {
         // Broadcast rates are a thousandth apart (30 and 30000/1001), five times the tolerance, so
         // that a measured rate cannot be taken for its neighbour. NaN, of no or equal times, is
@@ -56,7 +53,6 @@ impl Rate {
     }
 
     /// `25`, `29.97` or `30000/1001`.
-    #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         if let Some((frames, seconds)) = text.split_once('/') {
             let (frames, seconds) = (frames.parse().ok()?, seconds.parse().ok()?);

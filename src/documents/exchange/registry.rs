@@ -83,7 +83,6 @@ static FORMATS: [(Format, Codec); 28] = [
 ];
 
 /// What reads and writes a format.
-#[must_use]
 pub fn codec(format: Format) -> Codec {
     FORMATS[format as usize].1
 }
@@ -95,7 +94,6 @@ impl Format {
     }
 
     /// What it is.
-    #[must_use]
     pub fn about(self) -> About {
         match codec(self) {
             Cameras(format) => format.about(),
@@ -105,31 +103,26 @@ impl Format {
     }
 
     /// Its name on the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         self.about().name
     }
 
     /// The format of a name.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::all().find(|format| format.name() == name)
     }
 
     /// Whether it stores points or lines of pictures, not cameras.
-    #[must_use]
     pub fn is_of_points(self) -> bool {
         matches!(codec(self), Clicks(_))
     }
 
     /// Whether an export makes a folder, not a file.
-    #[must_use]
     pub fn is_folder(self) -> bool {
         self.about().file.is_none()
     }
 
     /// The options that its export or import takes.
-    #[must_use]
     pub fn options(self, direction: Direction) -> &'static [FormatOption] {
         let about = self.about();
         match direction {
@@ -139,7 +132,6 @@ impl Format {
     }
 
     /// Whether its export or import takes an option.
-    #[must_use]
     pub fn takes(self, option: FormatOption, direction: Direction) -> bool {
         self.options(direction).contains(&option)
     }
@@ -158,7 +150,6 @@ impl Format {
     }
 
     /// The field that its files usually show.
-    #[must_use]
     pub const fn usual_field(self) -> &'static str {
         match self {
             Self::DeepSport => "basketball_fiba",
@@ -167,20 +158,17 @@ impl Format {
     }
 
     /// Whether it can be imported.
-    #[must_use]
     pub fn imports(self) -> bool {
         !self.about().endings.is_empty()
     }
 
     /// Whether it can be exported.
-    #[must_use]
     pub fn exports(self) -> bool {
         self.about().loses.is_some()
     }
 
     /// Whether an export is read back, and every landmark or click compared, before it is written.
     /// A sheet without cameras is not verified; a document is compared as text.
-    #[must_use]
     pub fn is_proved(self) -> bool {
         self.exports() && !matches!(self, Self::Cdf | Self::Json)
     }
@@ -208,7 +196,6 @@ pub(super) fn refuse_not_taken(
 
 impl FormatOption {
     /// The formats that take it, in the order of the help.
-    #[must_use]
     pub fn takers(self, direction: Direction) -> Vec<Format> {
         Format::all()
             .filter(|format| format.takes(self, direction))

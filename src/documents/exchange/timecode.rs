@@ -38,7 +38,6 @@ impl Timecode {
     /// The timecode of a frame, counted from 0, of a video that begins at `start`. Without `start`
     /// it begins at 00:00:00:00, with dropped numbers at 30000/1001 and 60000/1001; at these rates
     /// `start` determines whether numbers are dropped. The code restarts after 24 hours.
-    #[must_use]
     pub fn from_start(start: Option<Self>, frame_index: u64, rate: Rate) -> Self {
         let dropped =
             drops_per_minute(rate).filter(|_| start.is_none_or(|start| start.is_drop_frame));
@@ -92,7 +91,6 @@ impl Timecode {
     }
 
     /// `10:00:00:00`, or `10:00:00;00` where numbers are dropped.
-    #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (clock, frames, is_drop_frame) = match text.rsplit_once(';') {
             Some((clock, frames)) => (clock, frames, true),

@@ -31,7 +31,6 @@ pub type ReportFile = (String, Vec<u8>);
 
 impl Report {
     /// An empty report with the name that its files begin with, and its heading.
-    #[must_use]
     pub fn new(name: &str, title: &str) -> Self {
         Self {
             name: name.to_owned(),

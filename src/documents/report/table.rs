@@ -25,7 +25,6 @@ pub struct Column {
 
 impl Column {
     /// A column by its key and its heading.
-    #[must_use]
     pub fn new(key: &str, label: &str) -> Self {
         Self {
             key: key.to_owned(),
@@ -95,7 +94,6 @@ impl fmt::Display for Cell {
 impl Cell {
     /// As in CSV: the shortest number that reads back exactly, and text that a spreadsheet does not
     /// evaluate as a formula.
-    #[must_use]
     pub fn exact(&self) -> String {
         match self {
             Self::Empty => String::new(),
@@ -116,7 +114,6 @@ impl Cell {
     }
 
     /// The number in the cell; none for text and for no measurement.
-    #[must_use]
     pub const fn number(&self) -> Option<f64> {
         match self {
             Self::Empty | Self::Text(_) => None,
@@ -127,7 +124,6 @@ impl Cell {
 }
 
 /// A number with four significant digits, without an exponent between a millionth and a million.
-#[must_use]
 pub fn significant(number: f64) -> String {
     if !number.is_finite() {
         let symbol = if number.is_nan() {
@@ -157,7 +153,6 @@ pub fn significant(number: f64) -> String {
 
 impl Table {
     /// An empty table with these columns.
-    #[must_use]
     pub fn new(columns: &[(&str, &str)]) -> Self {
         Self {
             columns: columns
@@ -197,7 +192,6 @@ impl Table {
     }
 
     /// Aligned columns for a terminal.
-    #[must_use]
     pub fn to_text(&self) -> String {
         let shown = self.with_shown_columns();
         let cells: Vec<Vec<String>> = shown
@@ -255,7 +249,6 @@ impl Table {
     }
 
     /// A Markdown table.
-    #[must_use]
     pub fn to_markdown(&self) -> String {
         let shown = self.with_shown_columns();
         let mut out = markdown_line(shown.columns.iter().map(|column| column.label.clone()));
@@ -271,7 +264,6 @@ impl Table {
 
     /// Comma-separated values (RFC 4180) with the keys in the first line. Cells without a
     /// measurement are empty; infinity is `inf`.
-    #[must_use]
     pub fn to_csv(&self) -> String {
         let mut out = csv_line(self.columns.iter().map(|column| column.key.clone()));
         for row in &self.rows {
@@ -281,7 +273,6 @@ impl Table {
     }
 
     /// A JSON array with one object for each row. Empty cells are left out.
-    #[must_use]
     pub fn to_json(&self) -> Value {
         Value::Array(self.rows.iter().map(|row| self.object(row)).collect())
     }
@@ -301,7 +292,6 @@ impl Table {
     }
 
     /// The index of a column by its key.
-    #[must_use]
     pub fn column(&self, key: &str) -> Option<usize> {
         self.columns.iter().position(|column| column.key == key)
     }

@@ -77,25 +77,21 @@ impl Location {
 
     /// Whether both are the same document, by any path. If so, their lock files are the same file.
     /// Without a lock file, only equal paths are recognised: then no program has the document open.
-    #[must_use]
     pub fn is_same_document(&self, other: &Self) -> bool {
         self.file == other.file || is_same_file(&self.lock(), &other.lock())
     }
 
     /// The document's file.
-    #[must_use]
     pub fn file(&self) -> &Path {
         &self.file
     }
 
     /// The folder to which the document's relative paths refer.
-    #[must_use]
     pub fn folder(&self) -> &Path {
         folder_of(&self.file)
     }
 
     /// The document's name for the user: the folder's name for a project, otherwise the file's.
-    #[must_use]
     pub fn name(&self) -> String {
         let name = self.file.file_name().unwrap_or_default();
         let name = if name == PROJECT_FILE {
@@ -107,25 +103,21 @@ impl Location {
     }
 
     /// Path of the journal: the edits since the document was last written.
-    #[must_use]
     pub fn journal(&self) -> PathBuf {
         with_suffix(&self.file, ".journal")
     }
 
     /// Path of the history: the steps that can be undone and redone.
-    #[must_use]
     pub fn history(&self) -> PathBuf {
         with_suffix(&self.file, ".history")
     }
 
     /// Path of the backup: the version before the last write.
-    #[must_use]
     pub fn backup(&self) -> PathBuf {
         with_suffix(&self.file, ".bak")
     }
 
     /// Path of the lock: a program that has the document open for writing locks this file.
-    #[must_use]
     pub fn lock(&self) -> PathBuf {
         with_suffix(&self.file, ".lock")
     }

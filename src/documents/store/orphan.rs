@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 use touchline_core::files::read_regular;
 
 /// Lists the orphans beside a document.
-#[must_use]
 pub fn orphans(location: &Location) -> Vec<Orphan> {
     siblings(location)
         .into_iter()

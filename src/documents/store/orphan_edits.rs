@@ -26,7 +26,6 @@ impl OrphanEdits {
     /// Merges the edits with a document: a three-way merge if the base is known. Otherwise frames
     /// that the user edited replace those in the document. Of a frame that both changed the one
     /// with more edits stays, and it is named.
-    #[must_use]
     pub fn merge_with(&self, document: &Document) -> Merged {
         match self.document() {
             Some((base, ours)) => merge_newer(base, &ours, document),

@@ -29,7 +29,6 @@ pub struct AutocalibratedCamera {
 
 impl AutocalibratedCamera {
     /// Number of frames that agree with the painted lines of their own picture.
-    #[must_use]
     pub fn aligned_frame_count(&self) -> usize {
         self.frames
             .iter()

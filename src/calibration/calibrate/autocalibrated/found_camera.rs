@@ -18,7 +18,6 @@ pub struct FoundCamera {
 
 impl FoundCamera {
     /// Pairs a result with the document as it is now.
-    #[must_use]
     pub fn new(document: &Document, camera: &CameraId, found: AutocalibratedCamera) -> Self {
         let frames = found
             .frames

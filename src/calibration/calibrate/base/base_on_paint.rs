@@ -45,7 +45,6 @@ pub type PictureOf<'a> = &'a mut dyn FnMut(&Frame) -> Option<Picture>;
 impl BaseOnPaint {
     /// Whether the new base lies nearer to paint that was held out than the earlier one, by more
     /// than noise.
-    #[must_use]
     pub fn is_worthwhile(&self) -> bool {
         let (before, after) = (self.seen.before.paint, self.seen.after.paint);
         before

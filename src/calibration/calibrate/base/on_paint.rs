@@ -41,7 +41,6 @@ pub struct OnPaintErrors {
 impl BasePaintEvidence {
     /// The error at held-out paint, and the earlier one, as a sentence that begins with a space;
     /// empty if no paint was held out.
-    #[must_use]
     pub fn describe(&self) -> String {
         let Some(after) = self.after.paint else {
             return String::new();

@@ -166,7 +166,6 @@ impl OpenSize {
 const WORTH_SAYING_M: f64 = 0.2;
 
 /// Describes a fitted size: "length 103.40 ± 0.08 m (105 m assumed)".
-#[must_use]
 pub fn describe_size(size: &FittedSize) -> String {
     let what = size.name.trim_end_matches("_m");
     if size.is_open {

@@ -8,7 +8,6 @@ use touchline_documents::document::{DocumentAt, Fields};
 /// Frames whose clicks fit another camera of the document better, and cameras whose base stops
 /// fitting from some frame on. An invalid field is reported by
 /// [`check_values`](super::check_values).
-#[must_use]
 pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
     let Ok(fields) = Fields::from_document(document) else {
         return Vec::new();

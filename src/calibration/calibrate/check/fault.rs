@@ -369,7 +369,6 @@ pub enum Fault {
 
 impl Fault {
     /// The stable name of the error in machine-readable output.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::DuplicateCamera => "duplicate_camera",

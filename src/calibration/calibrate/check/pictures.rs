@@ -17,7 +17,6 @@ pub struct PictureCheck<'a> {
 
 impl<'a> PictureCheck<'a> {
     /// Opens the videos of a document.
-    #[must_use]
     pub fn open(document: DocumentAt<'a>) -> Self {
         Self {
             document,
@@ -26,7 +25,6 @@ impl<'a> PictureCheck<'a> {
     }
 
     /// What is wrong with the picture of a frame, by the frame's index.
-    #[must_use]
     pub fn faults(&self, index: usize) -> Vec<Fault> {
         let frame = self.document.frames.get(index);
         frame.map_or_else(Vec::new, |frame| {
@@ -38,7 +36,6 @@ impl<'a> PictureCheck<'a> {
 /// Everything wrong with the pictures of a document, in its order. `progress` counts frames, from
 /// any thread; if it cancels this, some frames have not been checked. Images are read in parallel,
 /// every video is opened once.
-#[must_use]
 pub fn check_pictures(document: DocumentAt<'_>, progress: &Progress<'_, ()>) -> Vec<Problem> {
     let check = PictureCheck::open(document);
     let faults = (0..document.frames.len()).into_par_iter().map(|index| {

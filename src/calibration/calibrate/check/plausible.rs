@@ -86,7 +86,6 @@ pub fn check_view(
 
 /// Why a solved frame's camera cannot be one of a sports camera: its position, pan, tilt, focal
 /// length or lens. None where nothing is wrong with it, or the frame has no camera.
-#[must_use]
 pub fn impossible_camera(
     document: &Document,
     frame: &Frame,

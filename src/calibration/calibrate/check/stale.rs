@@ -15,7 +15,6 @@ const TOLERATED_PX: f64 = 2.0;
 /// Frames whose stored camera misses the clicks that it was solved from, although these give a
 /// better one on the document's base: the base or the field has changed since. An invalid field is
 /// reported by [`check_values`](super::check_values).
-#[must_use]
 pub fn check_solutions(document: DocumentAt<'_>) -> Vec<Problem> {
     let Ok(fields) = Fields::from_document(document) else {
         return Vec::new();

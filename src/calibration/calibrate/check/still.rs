@@ -12,7 +12,6 @@ const COMPARED: usize = 4;
 /// The runs of frames in which the camera is exactly still while the picture moves. What was
 /// matched there is fixed on the screen, or a camera was kept for frames that it does not fit.
 /// Pictures that cannot be read are skipped.
-#[must_use]
 pub fn check_still_runs(document: DocumentAt<'_>) -> Vec<Problem> {
     let mut reader = FrameReader::new();
     let mut problems = Vec::new();

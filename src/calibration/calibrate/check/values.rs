@@ -12,7 +12,6 @@ use touchline_documents::document::{
 };
 
 /// Everything wrong with a document that shows without its pictures, in the document's order.
-#[must_use]
 pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     let mut problems = Vec::new();
     let mut fields = Fields {

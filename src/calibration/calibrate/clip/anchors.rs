@@ -26,7 +26,6 @@ pub(super) fn anchors(
 }
 
 /// Whether a frame's camera is certain enough to be propagated, and was not tracked itself.
-#[must_use]
 pub fn is_anchor(frame: &Frame) -> bool {
     confidence_of(frame).is_some()
 }

@@ -53,7 +53,6 @@ const VERDICT_ALIKE_PX: f64 = 1.0;
 
 impl ClipEvidence {
     /// Whether points were tracked through this picture.
-    #[must_use]
     pub fn shows(&self, picture: &FrameRef) -> bool {
         self.followed
             .as_ref()

@@ -40,7 +40,6 @@ pub struct ClipSpan {
 
 impl ClipFrames {
     /// The first and the last picture; none if there are no pictures.
-    #[must_use]
     pub fn span(&self) -> Option<ClipSpan> {
         let (first, last) = self.frames.first().zip(self.frames.last())?;
         let num_pictures = self.frames.len();
@@ -60,7 +59,6 @@ const GAP: usize = 300;
 /// leaves out, and the images of each camera and shot in the document's order. Rejected frames
 /// and those of transitions between shots belong to none. With `within`, only frames of a video
 /// with these numbers and images at these indices count.
-#[must_use]
 pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -> Vec<ClipFrames> {
     type Key<'a> = (&'a CameraId, Option<&'a Clip>, Option<PathBuf>);
     let mut of_key: BTreeMap<Key<'_>, usize> = BTreeMap::new();
@@ -99,7 +97,6 @@ pub fn clips(document: DocumentAt<'_>, within: Option<&RangeInclusive<usize>>) -
 }
 
 /// The clip that a frame of the document belongs to, by the frame's index.
-#[must_use]
 pub fn clip_of_frame(document: DocumentAt<'_>, index: usize) -> Option<ClipFrames> {
     clips(document, None)
         .into_iter()

@@ -33,7 +33,6 @@ fn is_reliable(frame: &Frame) -> bool {
 }
 
 /// Whether a frame's camera is to be found again where a frame beside it was corrected.
-#[must_use]
 pub fn is_doubtful(frame: &Frame) -> bool {
     frame.is_open() && !is_reliable(frame)
 }

@@ -31,7 +31,6 @@ pub struct BetterCamera {
 
 impl BetterCamera {
     /// The warning for the user.
-    #[must_use]
     pub fn warning(&self) -> Warning {
         let Self {
             camera,
@@ -51,7 +50,6 @@ impl BetterCamera {
 
 /// The camera that fits a frame's clicks best, if it fits and the frame's own does not. `fields`
 /// contains the field of each camera of the document, in their order (`Fields::per_camera`).
-#[must_use]
 pub fn better_camera(
     document: &Document,
     frame: &Frame,

@@ -171,7 +171,6 @@ pub fn calibrate(
 
 /// Pan, tilt and focal length of at most four solved frames of the same camera and shot, nearest
 /// first. Rejected frames do not count.
-#[must_use]
 pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
     /// Frames farther away are not used: in that time a camera can go anywhere.
     const MAX_FRAMES_APART: usize = 50;

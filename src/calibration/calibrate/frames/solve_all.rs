@@ -37,7 +37,6 @@ pub enum DecidedFrames {
 
 /// Whether the camera of a frame was decided otherwise than by its clicks: set by hand, aligned to
 /// paint, or accepted from another source.
-#[must_use]
 pub fn is_decided(frame: &Frame) -> bool {
     let source = frame.solution.as_ref().and_then(|solution| solution.source);
     frame.ptz.is_some()

@@ -133,7 +133,6 @@ pub(in crate::calibrate) fn solve_by_clicks(
 }
 
 /// Whether a frame has clicks and its camera comes from them, or would if there had been a base.
-#[must_use]
 pub fn is_by_clicks(frame: &Frame) -> bool {
     !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none())
 }

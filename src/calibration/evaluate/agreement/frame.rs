@@ -76,7 +76,6 @@ pub struct CameraAgreement {
 
 impl FrameAgreement {
     /// The largest distance of a pair of clicks, px at 1920 px width; none without any.
-    #[must_use]
     pub fn largest_px(&self) -> Option<f64> {
         self.clicks.iter().map(ClickPair::apart_px).reduce(f64::max)
     }
@@ -84,13 +83,11 @@ impl FrameAgreement {
 
 impl ClickPair {
     /// The distance, px at 1920 px width.
-    #[must_use]
     pub fn apart_px(&self) -> f64 {
         self.offset_px.norm()
     }
 
     /// Whether both positions are equal to the last digit.
-    #[must_use]
     pub fn is_copy(&self) -> bool {
         self.offset_px == Vec2::zeros()
     }

@@ -72,7 +72,6 @@ pub struct LandmarkAgreement {
 
 impl Agreement {
     /// Click noise of one annotator, as a sentence.
-    #[must_use]
     pub fn describe_noise(&self) -> String {
         let copies = match self.copies {
             0 => String::new(),
@@ -98,7 +97,6 @@ impl Agreement {
     }
 
     /// Whether there is anything to compare apart from copies.
-    #[must_use]
     pub fn says_something(&self) -> bool {
         self.distances.is_some() || self.frames.iter().any(|frame| !frame.names.is_empty())
     }

@@ -20,7 +20,6 @@ pub enum GroupKind {
 
 impl GroupKind {
     /// Its name in files.
-    #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
             Self::All => "all",
@@ -62,13 +61,11 @@ const VIEW_BIN_DEG: f64 = 10.0;
 
 impl FrameGroup {
     /// The share of the frames that have a camera.
-    #[must_use]
     pub fn completeness(&self) -> f64 {
         self.scored as f64 / (self.frames as f64).max(1.0)
     }
 
     /// The summary of one measure.
-    #[must_use]
     pub fn measure(&self, measure: Measure) -> Option<&Summary> {
         self.measures
             .iter()
@@ -77,7 +74,6 @@ impl FrameGroup {
     }
 
     /// The score of the `SoccerNet` camera calibration task: mean `JaC@5` times completeness.
-    #[must_use]
     pub fn soccernet_score(&self) -> Option<f64> {
         self.measure(Measure::Jaccard5)
             .map(|jaccard| jaccard.mean * self.completeness())
@@ -147,7 +143,6 @@ fn summarise_pooled(
 impl Evaluation {
     /// All frames together, then by shot, by camera and by field of view. A criterion with a single
     /// group is left out. `seed` determines the bootstrap intervals.
-    #[must_use]
     pub fn groups(&self, seed: u64) -> Vec<FrameGroup> {
         let all: Vec<&FrameResult> = self.frames.iter().collect();
         let mut groups = vec![FrameGroup::from_frames(

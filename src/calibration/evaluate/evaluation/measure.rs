@@ -69,7 +69,6 @@ impl Measure {
     ];
 
     /// Its key in files, including the unit.
-    #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
             Self::IouPart => "iou_part",
@@ -95,7 +94,6 @@ impl Measure {
     }
 
     /// Its label for readers, including the unit.
-    #[must_use]
     pub const fn label(self) -> &'static str {
         match self {
             Self::IouPart => "IoU_part",
@@ -121,7 +119,6 @@ impl Measure {
     }
 
     /// Whether larger values are better; false for errors.
-    #[must_use]
     pub const fn more_is_better(self) -> bool {
         matches!(
             self,

@@ -31,7 +31,6 @@ pub struct FrameScores {
 
 impl FrameScores {
     /// The value of a measure; none if it cannot be computed for the frame.
-    #[must_use]
     pub fn get(&self, measure: Measure) -> Option<f64> {
         self.values[measure as usize]
     }

@@ -38,7 +38,6 @@ impl fmt::Display for GivenFault {
 
 impl GivenCamera {
     /// The camera to begin with; none where there is none.
-    #[must_use]
     pub fn usable(&self) -> Option<&PtzCamera> {
         match self {
             Self::Possible(camera) | Self::Mirrored(camera) => Some(camera),
@@ -55,7 +54,6 @@ impl GivenCamera {
     }
 
     /// What makes it impossible, if it is.
-    #[must_use]
     pub const fn fault(&self) -> Option<&GivenFault> {
         match self {
             Self::Impossible(fault) => Some(fault),

@@ -81,7 +81,6 @@ pub enum Outcome {
 
 impl Outcome {
     /// Why a person has to look at the frame; none if that is not needed.
-    #[must_use]
     pub const fn why_left(self) -> Option<&'static str> {
         match self {
             Self::Contradicted => Some("the painted lines contradict its camera"),
@@ -162,7 +161,6 @@ impl Mended {
     }
 
     /// How many frames had each outcome.
-    #[must_use]
     pub fn tally(&self) -> Tally {
         let mut tally = Tally::default();
         for frame in &self.frames {

@@ -70,7 +70,6 @@ pub struct LeftFrame {
 
 impl MendedNumbers {
     /// Whether so many frames were moved far that a person should look at the list.
-    #[must_use]
     pub fn has_moved_many(&self) -> bool {
         self.moved_far.len() as f64 > MAX_SHARE_MOVED * self.came as f64
     }

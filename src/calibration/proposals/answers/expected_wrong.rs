@@ -18,7 +18,6 @@ impl ExpectedWrong {
     /// Among answers of these confidences, which are right or wrong independently: the Poisson
     /// binomial distribution, computed exactly by the recursion P(k) ← P(k) (1 − q) + P(k − 1) q
     /// over the answers, with q the probability that an answer is wrong.
-    #[must_use]
     pub fn among(confidences: impl IntoIterator<Item = f64>) -> Self {
         // Probability of each number of wrong answers among those so far.
         let mut of_count = vec![1.0];

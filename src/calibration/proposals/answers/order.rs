@@ -21,7 +21,6 @@ pub struct QueryOrder {
 impl QueryOrder {
     /// The order of the frames for which `wanted` is true. Within each part, frames nearer to the
     /// current one come first.
-    #[must_use]
     pub fn new(document: &Document, current: usize, wanted: impl Fn(usize) -> bool) -> Self {
         // `wanted` is called once for each frame.
         let is_wanted: Vec<bool> = (0..document.frames.len()).map(&wanted).collect();

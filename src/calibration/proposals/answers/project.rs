@@ -72,7 +72,6 @@ pub struct Discarded {
 
 impl Discarded {
     /// Number of frames that show something else now.
-    #[must_use]
     pub const fn frames(&self) -> usize {
         self.emptied + self.given_back
     }

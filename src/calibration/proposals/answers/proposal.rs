@@ -112,7 +112,6 @@ pub struct Timings {
 #[cfg(any(test, feature = "testing"))]
 impl Answer {
     /// A good answer for a test: a camera at this pan.
-    #[must_use]
     pub fn at_pan(pan_deg: f64, confidence: f64) -> Self {
         Self {
             ptz: FramePtz::new(
@@ -141,7 +140,6 @@ impl Answer {
 
 impl NoProposal {
     /// The code of the warning in documents.
-    #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
             Self::NotFound(reason) => reason.code(),
@@ -157,7 +155,6 @@ impl NoProposal {
 
 impl Proposal {
     /// A proposal without an answer, and its reason.
-    #[must_use]
     pub fn without_answer(
         document: &Document,
         index: usize,
@@ -231,7 +228,6 @@ impl Proposal {
 
     /// The suggestion as an update of a project. None if the camera has no base, because then the
     /// forest was not queried.
-    #[must_use]
     pub fn update(&self) -> Option<SuggestionUpdate> {
         let is_answer = !matches!(self.outcome, Err(NoProposal::NoBase { .. }));
         is_answer.then(|| SuggestionUpdate {
@@ -248,7 +244,6 @@ impl Proposal {
 
     /// Whether the answer may replace the camera of its frame. A camera that was found without a
     /// forest stays if there is no answer or a less confident one.
-    #[must_use]
     pub fn may_replace_camera_of(&self, frame: &Frame) -> bool {
         // A camera without a stated confidence has nothing to compare with, and gives way to any
         // answer.

@@ -9,7 +9,6 @@ use touchline_documents::document::{Document, FramePtz};
 use touchline_vision::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
 
 /// Proposes a camera for a frame with these features, from the forest of its camera.
-#[must_use]
 pub fn propose(
     document: &Document,
     index: usize,

@@ -20,7 +20,6 @@ pub struct FrameRequest {
 
 impl FrameRequest {
     /// The present state of a frame.
-    #[must_use]
     pub fn from_frame(document: &Document, frame: &Frame) -> Self {
         Self {
             revision: frame.revision,
@@ -37,7 +36,6 @@ impl FrameRequest {
     }
 
     /// Whether everything that an answer depends on is unchanged: picture, camera and base.
-    #[must_use]
     pub fn is_still(&self, document: &Document, frame: &Frame) -> bool {
         self.is_of(frame) && self.base == document.camera_of(frame).and_then(Camera::base)
     }

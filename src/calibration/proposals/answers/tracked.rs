@@ -39,7 +39,6 @@ impl TrackedProposal {
     }
 
     /// The suggestion as an update of a project.
-    #[must_use]
     pub fn update(&self) -> SuggestionUpdate {
         SuggestionUpdate {
             id: self.frame.clone(),
@@ -55,7 +54,6 @@ impl TrackedProposal {
 }
 
 /// The cameras of a tracked clip, as suggestions for the frames on which the user has not decided.
-#[must_use]
 pub fn suggest_tracked_clip(document: &Document, clip: &TrackedClip) -> Vec<SuggestionUpdate> {
     clip.frames
         .iter()

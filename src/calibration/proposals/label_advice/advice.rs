@@ -44,7 +44,6 @@ pub struct LabelNext {
 
 /// Advice for a document. `coverage` has the directions of the references of its cameras; a camera
 /// may be missing.
-#[must_use]
 pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
     LabelAdvice::from_needs(&LabelNeeds::from_document(document), coverage)
 }

@@ -46,7 +46,6 @@ pub struct CoverageCell {
 impl Coverage {
     /// The coverage by `training_frames`, for each camera that has any, in the document's order.
     /// Cameras without a base or a valid field are left out.
-    #[must_use]
     pub fn measure_cameras(document: DocumentAt<'_>, training_frames: &[usize]) -> Vec<Self> {
         let used = document.cameras.iter().filter(|camera| {
             let mut frames = training_frames
@@ -63,7 +62,6 @@ impl Coverage {
     }
 
     /// The coverage of one camera by `training_frames`. None if the camera has no base.
-    #[must_use]
     pub fn measure(
         document: &Document,
         field: &FieldModel,
@@ -120,7 +118,6 @@ impl Coverage {
     /// The value of a new reference with this view, from 0 to 1: the mean of 1/(n + 1) over the
     /// cells of the field in the view, where n references see the cell already. None if the view
     /// shows no field.
-    #[must_use]
     pub fn novelty(&self, view: AngleRange) -> Option<f64> {
         /// Tolerance for rounding, in columns, so that a view that ends exactly on the border of a
         /// column does not include the next one.

@@ -243,7 +243,6 @@ fn can_be_labelled(frame: &Frame) -> bool {
 }
 
 /// Whether the forest is not sure of a frame's suggestion: see [`CERTAIN`].
-#[must_use]
 pub fn is_uncertain(frame: &Frame) -> bool {
     doubt(frame).is_some()
 }

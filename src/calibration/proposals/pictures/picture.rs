@@ -78,7 +78,6 @@ pub struct FramePicture<'a> {
 
 impl<'a> PictureStream<'a> {
     /// Streams the pictures of the frames with these indices. Nothing is read yet.
-    #[must_use]
     pub fn new(at: DocumentAt<'a>, indices: impl IntoIterator<Item = usize>) -> Self {
         let frames: Vec<_> = indices
             .into_iter()

@@ -26,7 +26,6 @@ pub struct WorkFolder {
 
 impl WorkFolder {
     /// The folder beside a document's file.
-    #[must_use]
     pub fn beside(document: &Path) -> Self {
         let name = document
             .file_name()
@@ -40,13 +39,11 @@ impl WorkFolder {
     }
 
     /// The path of the folder.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.folder
     }
 
     /// The path of the document's forest. Each document in the folder has a separate one.
-    #[must_use]
     pub fn forest(&self) -> PathBuf {
         self.folder.join(format!("{}.forest", self.document))
     }
@@ -95,13 +92,11 @@ struct Shelf {
 
 impl FeatureStore {
     /// A store in memory only.
-    #[must_use]
     pub fn in_memory() -> Self {
         Self::default()
     }
 
     /// A store on disk beside a document.
-    #[must_use]
     pub fn on_disk(place: &WorkFolder) -> Self {
         // A folder that cannot be used costs time in the next session and nothing else, so it is no
         // error.
@@ -119,7 +114,6 @@ impl FeatureStore {
     }
 
     /// The features with this key; none if they are not stored.
-    #[must_use]
     pub fn get(&self, key: &FeatureKey) -> Option<Arc<Features>> {
         if let Some(features) = self.shelf().held.get(key) {
             return Some(Arc::clone(features));
@@ -151,7 +145,6 @@ impl FeatureStore {
 
     /// Why features are not stored on disk, if they are not. They then have to be extracted again
     /// in the next session.
-    #[must_use]
     pub fn refusal(&self) -> Option<String> {
         self.shelf().refused.clone()
     }

@@ -31,7 +31,6 @@ pub enum FeatureUse {
 impl UsedFeatures {
     /// Queries a forest for a frame and records the use of each feature. Without a forest or a base
     /// of its camera, none is matched.
-    #[must_use]
     pub fn from_query(
         document: &Document,
         index: usize,
@@ -90,7 +89,6 @@ impl UsedFeatures {
     }
 
     /// Number of features with at least this use.
-    #[must_use]
     pub fn count(&self, at_least: FeatureUse) -> usize {
         self.features
             .iter()

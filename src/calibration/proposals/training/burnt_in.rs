@@ -69,7 +69,6 @@ impl FoundMask {
     }
 
     /// Describes the graphic in one line.
-    #[must_use]
     pub fn describe(&self, document: &Document) -> String {
         let area = &self.mask.pixel_box;
         let [first, last] = self.frames.map(|index| {

@@ -91,7 +91,6 @@ pub struct FoundAgain {
 
 impl Quality {
     /// Number of references for which the forest found an answer.
-    #[must_use]
     pub fn found_count(&self) -> usize {
         self.tested
             .iter()
@@ -100,7 +99,6 @@ impl Quality {
     }
 
     /// The median error of the answers, px at 1920 px width; none without answers.
-    #[must_use]
     pub fn median_px(&self) -> Option<f64> {
         median(
             &mut self
@@ -113,7 +111,6 @@ impl Quality {
 
     /// The number of confident answers and of right ones among them, from which the upper bound of
     /// stated confidences follows.
-    #[must_use]
     pub fn confident_answers(&self) -> CertainAnswerCounts {
         let certain = self
             .tested
@@ -375,7 +372,6 @@ fn group_of_clip(frames: &[&Frame], clip: Option<&Clip>) -> Group {
 
 /// The largest distance between the overlays of two cameras over a grid of 5 × 3 points of the
 /// picture, px at 1920 px width; infinite if the second camera does not see a point of the first.
-#[must_use]
 pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -> f64 {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     // Both edges included, because overlays are farthest apart at the corners.

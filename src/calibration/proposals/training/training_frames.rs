@@ -17,7 +17,6 @@ pub struct TrainingFrames {
 
 impl TrainingFrames {
     /// The training frames of a document; `all_references` includes accepted suggestions.
-    #[must_use]
     pub fn from_document(document: &Document, all_references: bool) -> Self {
         let mut found = Self::default();
         for (index, frame) in document.frames.iter().enumerate() {
@@ -37,7 +36,6 @@ impl TrainingFrames {
     }
 
     /// The training frames of a document that are usable now: solved, with a known base.
-    #[must_use]
     pub fn from_solved_frames(document: &Document) -> Self {
         let mut found = Self::from_document(document, false);
         found

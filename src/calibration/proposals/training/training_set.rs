@@ -14,7 +14,6 @@ pub struct TrainingSet {
 
 impl TrainingSet {
     /// The training set of some frames of a document.
-    #[must_use]
     pub fn from_frames(document: &Document, training_frames: &[usize]) -> Self {
         let mut cameras = BTreeMap::<&CameraId, String>::new();
         let mut training_samples = BTreeSet::new();
@@ -54,19 +53,16 @@ impl TrainingSet {
     }
 
     /// Whether it is empty.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.training_samples.is_empty()
     }
 
     /// Whether it contains all of `other`: then a forest of `other` is incomplete, but not wrong.
-    #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         self.training_samples.is_superset(&other.training_samples)
     }
 
     /// A fingerprint of the set, 32 hexadecimal digits.
-    #[must_use]
     pub fn fingerprint(&self) -> String {
         let mut digest = Sha256::new();
         // The set is sorted, so the fingerprint does not depend on the order of the frames.

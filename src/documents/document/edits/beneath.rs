@@ -5,7 +5,6 @@ use crate::document::{Document, Frame, History, Shared, Step};
 
 impl History<Document> {
     /// The number of steps that can be undone.
-    #[must_use]
     pub fn num_done(&self) -> usize {
         self.done.len()
     }

@@ -94,7 +94,6 @@ pub enum Change {
 
 impl Edit {
     /// The edit from `before` to `after`; frames that both share are not compared.
-    #[must_use]
     pub fn between(before: &Document, after: &Document, name: &str) -> Self {
         let mut changes = Vec::new();
         if before.field != after.field {
@@ -122,7 +121,6 @@ impl Edit {
     }
 
     /// Whether it changes nothing.
-    #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.changes.is_empty()
     }

@@ -18,7 +18,6 @@ pub enum FrameChanges {
 impl Frames {
     /// The changes since an earlier state. Takes time in proportion to the changes, not to the
     /// shared frames.
-    #[must_use]
     pub fn changes_since(&self, before: &Self) -> FrameChanges {
         if self.len() != before.len() {
             return FrameChanges::Anew;

@@ -27,7 +27,6 @@ fn has_none(changes: &Shared<Vec<SuggestionChange>>) -> bool {
 
 impl Step {
     /// A step that concerns the document as a whole.
-    #[must_use]
     pub fn on_document(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -37,7 +36,6 @@ impl Step {
     }
 
     /// Whether another step is by the same command on the same frame.
-    #[must_use]
     pub fn is_alike(&self, other: &Self) -> bool {
         self.name == other.name && self.frame == other.frame
     }
@@ -96,7 +94,6 @@ impl<T: Clone> History<T> {
     pub const DEFAULT_LIMIT: usize = 500;
 
     /// A history that keeps at most `limit` steps; the oldest are forgotten.
-    #[must_use]
     pub fn new(limit: usize) -> Self {
         Self {
             limit,
@@ -107,19 +104,16 @@ impl<T: Clone> History<T> {
     }
 
     /// Whether a transaction is open.
-    #[must_use]
     pub const fn is_open(&self) -> bool {
         self.open.is_some()
     }
 
     /// The step whose transaction is open.
-    #[must_use]
     pub fn open_step(&self) -> Option<&Step> {
         self.open.as_ref().map(|open| &open.step)
     }
 
     /// The kind of edit, for undo and redo, that the open transaction becomes when it is committed.
-    #[must_use]
     pub fn open_kind(&self) -> EditKind {
         match &self.open {
             None => EditKind::NoStep,
@@ -134,19 +128,16 @@ impl<T: Clone> History<T> {
     }
 
     /// The value as it was when the open transaction began.
-    #[must_use]
     pub fn before(&self) -> Option<&T> {
         self.open.as_ref().map(|open| &open.before)
     }
 
     /// The step that undo would revert.
-    #[must_use]
     pub fn next_undo(&self) -> Option<&Step> {
         self.done.back().map(|(step, _)| step)
     }
 
     /// The step that redo would repeat.
-    #[must_use]
     pub fn next_redo(&self) -> Option<&Step> {
         self.undone.back().map(|(step, _)| step)
     }
@@ -161,7 +152,6 @@ impl<T: Clone> History<T> {
     }
 
     /// Whether there is neither a step to undo nor one to redo.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.done.is_empty() && self.undone.is_empty()
     }

@@ -92,7 +92,6 @@ impl History<Document> {
 
     /// The history of `document` from the results of [`Self::undo_edits`] and [`Self::redo_edits`].
     /// If a step does not fit, the history ends before it, and the step is returned as well.
-    #[must_use]
     pub fn from_edits(
         document: &Document,
         undo: Vec<StepEdit>,

@@ -37,7 +37,6 @@ impl SuggestionChange {
 
 impl Document {
     /// How the suggestions that frames show differ from those in an earlier state.
-    #[must_use]
     pub fn suggestion_changes_since(&self, before: &Self) -> Vec<SuggestionChange> {
         if let Some(changed) = self.frames.changes_in_place(&before.frames) {
             let pairs = changed

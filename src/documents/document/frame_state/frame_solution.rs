@@ -13,7 +13,6 @@ pub const ENOUGH_EQUATIONS: usize = 3;
 
 impl Frame {
     /// Whether its camera comes from its own clicks, of a person or of a model.
-    #[must_use]
     pub fn is_solved_by_clicks(&self) -> bool {
         self.solution.as_ref().is_some_and(|solution| {
             matches!(
@@ -24,7 +23,6 @@ impl Frame {
     }
 
     /// What a camera from its clicks has as its source.
-    #[must_use]
     pub fn source_of_clicks(&self) -> SolutionSource {
         if self.has_points_of_models_alone() {
             SolutionSource::Points
@@ -57,7 +55,6 @@ impl Frame {
     }
 
     /// Whether it has a camera of which neither a σ nor a probability is stated.
-    #[must_use]
     pub fn is_uncertainty_unstated(&self) -> bool {
         let is_stated = self.solution.as_ref().is_some_and(|known| {
             known.covariance.is_some()
@@ -130,7 +127,6 @@ impl Frame {
     }
 
     /// The program's proposal, whether or not it was corrected since.
-    #[must_use]
     pub fn proposed_camera(&self) -> Option<Proposed> {
         let solution = self.solution.as_ref()?;
         if let Some(kept) = &solution.proposed {

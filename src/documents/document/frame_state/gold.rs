@@ -42,7 +42,6 @@ impl RepeatedClicks<'_> {
 
 impl Frame {
     /// Why it cannot be gold; none if it can.
-    #[must_use]
     pub fn why_not_gold(&self) -> Option<&'static str> {
         if self.status != FrameStatus::Reference {
             return Some("Only a reference can be gold: accept this frame first.");
@@ -63,7 +62,6 @@ impl Frame {
     }
 
     /// The landmarks that were clicked again, each with all its clicks.
-    #[must_use]
     pub fn repeated_clicks(&self) -> Vec<RepeatedClicks<'_>> {
         let mut found: Vec<RepeatedClicks<'_>> = Vec::new();
         for repeat in self
@@ -103,7 +101,6 @@ impl Frame {
 
 impl Document {
     /// The number of the next blind round.
-    #[must_use]
     pub fn next_round(&self) -> u32 {
         let rounds = self
             .frames

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 impl Frame {
     /// Whether it has clicks and all of them are points of models that no person moved or renamed.
-    #[must_use]
     pub fn has_points_of_models_alone(&self) -> bool {
         !self.clicks.is_empty() && self.clicks.iter().all(Click::is_by_model)
     }
@@ -52,7 +51,6 @@ impl Frame {
 impl Document {
     /// The models that gave points, by name, with the number of points: as the models gave them,
     /// moved or renamed by a person, and refused.
-    #[must_use]
     pub fn points_of_models(&self) -> BTreeMap<String, [usize; 3]> {
         let mut counts: BTreeMap<String, [usize; 3]> = BTreeMap::new();
         let mut count = |click: &Click, kind: usize| {

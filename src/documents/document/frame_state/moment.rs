@@ -17,13 +17,11 @@ pub struct Moment<'a> {
 impl<'a> Moment<'a> {
     /// The number of frames from here to another moment, negative if that is earlier; none if it is
     /// of another run.
-    #[must_use]
     pub fn frames_to(&self, other: &Self) -> Option<f64> {
         (self.run == other.run).then_some(other.number as f64 - self.number as f64)
     }
 
     /// What names the run.
-    #[must_use]
     pub const fn run(&self) -> [&'a str; 2] {
         self.run
     }
@@ -47,7 +45,6 @@ impl<'a> Moment<'a> {
 impl Frame {
     /// Where it is in time: its number in its video, else that at the end of its image's name. None
     /// for an image without a number.
-    #[must_use]
     pub fn moment(&self) -> Option<Moment<'_>> {
         match (&self.video, &self.image) {
             (Some(video), _) => Some(Moment {

@@ -26,7 +26,6 @@ pub struct Suggestion {
 impl Suggestion {
     /// The suggestion that a frame shows, given its camera's base; none where the user decided or
     /// there is no suggestion.
-    #[must_use]
     pub fn in_frame(frame: &Frame, base: Option<&CameraBase>) -> Option<Self> {
         let Frame {
             revision,
@@ -55,7 +54,6 @@ impl Suggestion {
     }
 
     /// Whether the program looked for a camera and found none.
-    #[must_use]
     pub const fn is_unanswered(&self) -> bool {
         self.ptz.is_none()
     }
@@ -64,7 +62,6 @@ impl Suggestion {
 impl Frame {
     /// Whether the user has neither clicked in it nor given it a camera, accepted or rejected it.
     /// Suggestions must have been removed before.
-    #[must_use]
     pub fn is_untouched(&self) -> bool {
         self.status == FrameStatus::New && self.clicks.is_empty() && self.ptz.is_none()
     }
@@ -107,7 +104,6 @@ impl Frame {
 
     /// Whether its camera, or the reason why it has none, comes from the program alone: no clicks
     /// and no decision of the user.
-    #[must_use]
     pub fn shows_suggestion(&self) -> bool {
         self.clicks.is_empty()
             && match self.status {

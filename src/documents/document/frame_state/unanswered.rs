@@ -4,7 +4,6 @@ use crate::document::{Frame, FrameStatus, SolutionSource};
 
 impl Frame {
     /// Whether the forest found no answer for it, and it has not been labelled or accepted since.
-    #[must_use]
     pub fn is_unanswered(&self) -> bool {
         let was_queried = self
             .solution
@@ -17,7 +16,6 @@ impl Frame {
     }
 
     /// Why the forest has no answer.
-    #[must_use]
     pub fn no_answer(&self) -> Option<&str> {
         let warnings = self
             .solution

@@ -14,21 +14,18 @@ const HOLDS: f64 = 0.1;
 impl Frame {
     /// The probability that its camera is right; none unless the camera is the program's and the
     /// user has neither accepted nor corrected it.
-    #[must_use]
     pub fn suggestion_confidence(&self) -> Option<f64> {
         let is_open = self.is_suggestion() && self.status == FrameStatus::Suggested;
         self.solution.as_ref().filter(|_| is_open)?.confidence
     }
 
     /// The probability that a suggestion is right, where it is more likely wrong.
-    #[must_use]
     pub fn unlikely(&self) -> Option<f64> {
         self.suggestion_confidence()
             .filter(|confidence| *confidence < LIKELY)
     }
 
     /// Why a suggestion is more likely wrong than right, where that is recorded.
-    #[must_use]
     pub fn why_unlikely(&self) -> Option<&str> {
         self.unlikely()?;
         self.solution
@@ -45,27 +42,23 @@ impl Frame {
     }
 
     /// What the paint said about its camera, where that is recorded.
-    #[must_use]
     pub fn paint_verdict(&self) -> Option<LineVerdict> {
         self.paint_evidence().map(PaintEvidence::verdict)
     }
 
     /// The recorded evidence of the paint, if it contradicts the camera.
-    #[must_use]
     pub fn contradicting_paint(&self) -> Option<&PaintEvidence> {
         self.paint_evidence()
             .filter(|evidence| evidence.verdict() == LineVerdict::Contradicts)
     }
 
     /// Whether it is a suggestion that the paint of its picture does not support.
-    #[must_use]
     pub fn is_suggested_off_paint(&self) -> bool {
         self.status == FrameStatus::Suggested && self.paint_verdict() != Some(LineVerdict::Supports)
     }
 
     /// How far mending moved the camera that another program gave the frame, px; infinitely far if
     /// that camera was impossible. None if it has none.
-    #[must_use]
     pub fn shift_by_mending_px(&self) -> Option<f64> {
         let imported = self.solution.as_ref()?.imported.as_ref()?;
         if imported.fault.is_some() {
@@ -75,7 +68,6 @@ impl Frame {
     }
 
     /// The recorded evidence of the paint, if it contradicts a camera that the user accepted.
-    #[must_use]
     pub fn evidence_against_acceptance(&self) -> Option<&PaintEvidence> {
         self.contradicting_paint()
             .filter(|_| self.status == FrameStatus::Reference)
@@ -83,7 +75,6 @@ impl Frame {
 
     /// Whether its camera may be used as evidence for other frames: the user confirmed it, or it is
     /// a suggestion that is at least as likely right as wrong and not contradicted by paint.
-    #[must_use]
     pub fn vouches(&self) -> bool {
         // Of a suggestion without a confidence, such as an imported camera, the paint decides.
         self.status != FrameStatus::Suggested
@@ -91,21 +82,18 @@ impl Frame {
     }
 
     /// Whether its camera is a failed suggestion.
-    #[must_use]
     pub fn is_hopeless(&self) -> bool {
         self.suggestion_confidence()
             .is_some_and(|confidence| confidence < HOLDS)
     }
 
     /// The source of its camera, or of the result that there is none.
-    #[must_use]
     pub fn source(&self) -> Option<SolutionSource> {
         self.solution.as_ref()?.source
     }
 
     /// Whether its camera was proposed by the program rather than clicked, aligned to paint by the
     /// user, imported or set manually.
-    #[must_use]
     pub fn is_suggestion(&self) -> bool {
         self.ptz.is_some()
             && matches!(
@@ -115,26 +103,22 @@ impl Frame {
     }
 
     /// Whether its camera was tracked from its neighbours in a clip.
-    #[must_use]
     pub fn is_tracked(&self) -> bool {
         self.ptz.is_some() && self.source() == Some(SolutionSource::Tracking)
     }
 
     /// Whether it has a camera from another source than the forest; then the forest is not run for
     /// it.
-    #[must_use]
     pub fn is_answered_without_forest(&self) -> bool {
         self.ptz.is_some() && self.source() != Some(SolutionSource::Forest)
     }
 
     /// The first of its clicks that has no name.
-    #[must_use]
     pub fn unnamed_click(&self) -> Option<usize> {
         self.clicks.iter().position(|click| click.target.is_none())
     }
 
     /// Whether its camera was aligned to the painted lines and not corrected by a click since.
-    #[must_use]
     pub fn is_snapped(&self) -> bool {
         self.solution.as_ref().is_some_and(|solution| {
             solution.source == Some(SolutionSource::Markings) && solution.proposed.is_none()
@@ -142,7 +126,6 @@ impl Frame {
     }
 
     /// Whether its camera is the forest's, aligned to the painted lines before the user saw it.
-    #[must_use]
     pub fn is_snapped_proposal(&self) -> bool {
         self.is_suggestion()
             && self
@@ -152,20 +135,17 @@ impl Frame {
     }
 
     /// Whether its camera came from another program and is neither mended nor decided on.
-    #[must_use]
     pub fn has_imported_camera(&self) -> bool {
         self.is_open() && self.ptz.is_some() && self.source() == Some(SolutionSource::Import)
     }
 
     /// Whether it has neither clicks nor a decision of the user, so that the program may suggest
     /// its camera.
-    #[must_use]
     pub fn is_open(&self) -> bool {
         self.clicks.is_empty() && matches!(self.status, FrameStatus::New | FrameStatus::Suggested)
     }
 
     /// Its status while it is neither accepted nor rejected.
-    #[must_use]
     pub fn undecided_status(&self) -> FrameStatus {
         let is_by_models = self.has_points_of_models_alone();
         let is_unclicked = is_by_models || self.clicks.is_empty();
@@ -178,7 +158,6 @@ impl Frame {
     }
 
     /// Whether the verdict on its clicks was Wrong when it was solved.
-    #[must_use]
     pub fn is_judged_wrong(&self) -> bool {
         self.solution
             .as_ref()
@@ -187,7 +166,6 @@ impl Frame {
 
     /// Whether the forest is trained with it. By default references are used, but neither accepted
     /// suggestions nor frames with the verdict Wrong; the user can override each.
-    #[must_use]
     pub fn is_used_for_training(&self) -> bool {
         self.status == FrameStatus::Reference
             && self.use_for_training.unwrap_or(self.trains_by_default())
@@ -206,13 +184,11 @@ impl Frame {
 
     /// Whether its clicks are used to estimate its camera's base: not if the frame is rejected or
     /// was left out.
-    #[must_use]
     pub fn is_used_for_base(&self) -> bool {
         self.status != FrameStatus::Rejected && self.use_for_base
     }
 
     /// The number of clicks that name a landmark and are not check points.
-    #[must_use]
     pub fn landmark_clicks(&self) -> usize {
         self.clicks
             .iter()
@@ -221,7 +197,6 @@ impl Frame {
     }
 
     /// The number of lines with two or more clicks that are not check points.
-    #[must_use]
     pub fn clicked_line_count(&self) -> usize {
         // One click leaves a line's direction open, so only lines with two count.
         let mut clicks_on = BTreeMap::new();

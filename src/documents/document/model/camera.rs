@@ -110,7 +110,6 @@ pub struct Stage {
 
 impl Stage {
     /// A stage in the field's axes, with its origin there.
-    #[must_use]
     pub fn at(origin_m: Vec3) -> Self {
         Self {
             origin_m,
@@ -258,7 +257,6 @@ impl From<&CameraSigma> for BaseSigma {
 
 impl Camera {
     /// A camera of which only the picture is known: principal point in the middle, no base.
-    #[must_use]
     pub fn new(id: CameraId, image_size: ImageSize) -> Self {
         Self {
             id,
@@ -280,13 +278,11 @@ impl Camera {
 
     /// The principal point, px, where it is another than the middle of the picture, which stands
     /// for an unknown one.
-    #[must_use]
     pub fn stated_principal_point(&self) -> Option<ImagePoint> {
         Some(self.principal_point).filter(|point| *point != self.image_size.centre())
     }
 
     /// The lens by focal length, where the camera has a curve.
-    #[must_use]
     pub fn curve(&self) -> Option<FocalCurve> {
         let distortion = self.distortion.as_ref()?;
         let k1 = distortion.k1.as_ref()?;
@@ -299,7 +295,6 @@ impl Camera {
     }
 
     /// The base, where position and rotation are known; the rotation is orthogonalised.
-    #[must_use]
     pub fn base(&self) -> Option<CameraBase> {
         let (position_m, stated) = (self.position_m?, self.base_from_world?);
         // Projection and its derivatives suppose a rotation; a document may state one with few
@@ -322,13 +317,11 @@ impl Camera {
     ///
     /// A frame with its own [lens](Frame::lens) uses that lens and its principal point. Otherwise
     /// the camera's curve is used, or the k₁ of the frame's `ptz` if the camera has no curve.
-    #[must_use]
     pub fn base_for(&self, frame: &Frame) -> Option<CameraBase> {
         Some(frame.base_from(&self.base_without_frame_lens(frame)?))
     }
 
     /// [`Self::base_for`] without the frame's own [lens](Frame::lens).
-    #[must_use]
     pub fn base_without_frame_lens(&self, frame: &Frame) -> Option<CameraBase> {
         // A frame's k₁ is a record of what was used. It is an input only where the camera states no
         // curve, as the document's schema says.
@@ -343,7 +336,6 @@ impl Camera {
 
     /// The camera of a solved frame at its pan, tilt and focal length; none without a base or the
     /// frame's `ptz`.
-    #[must_use]
     pub fn ptz_camera(&self, frame: &Frame) -> Option<PtzCamera> {
         Some(PtzCamera::new(
             self.base_for(frame)?,

@@ -12,7 +12,6 @@ pub struct CameraId(Arc<str>);
 
 impl CameraId {
     /// The name as the document writes it.
-    #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0
     }

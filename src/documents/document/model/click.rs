@@ -27,7 +27,6 @@ pub enum Target {
 
 impl Target {
     /// The name, of either kind.
-    #[must_use]
     pub fn as_str(&self) -> &str {
         match self {
             Self::Landmark(id) => id.as_str(),
@@ -36,7 +35,6 @@ impl Target {
     }
 
     /// The number of equations of a click on it.
-    #[must_use]
     pub const fn equations(&self) -> usize {
         match self {
             Self::Landmark(_) => 2,
@@ -45,7 +43,6 @@ impl Target {
     }
 
     /// The line, if it is one.
-    #[must_use]
     pub const fn line(&self) -> Option<&LineId> {
         match self {
             Self::Landmark(_) => None,
@@ -54,7 +51,6 @@ impl Target {
     }
 
     /// The landmark or line of a field that it names; none if the field lacks it.
-    #[must_use]
     pub fn element(&self, field: &FieldModel) -> Option<FieldElement> {
         match self {
             Self::Landmark(id) => field.landmark_element(id.as_str()),
@@ -86,7 +82,6 @@ pub struct Click {
 
 impl Click {
     /// A click on something.
-    #[must_use]
     pub fn new(target: Target, image: ImagePoint) -> Self {
         Self {
             target: Some(target),
@@ -95,32 +90,27 @@ impl Click {
     }
 
     /// A click on a landmark.
-    #[must_use]
     pub fn landmark(id: LandmarkId, image: ImagePoint) -> Self {
         Self::new(Target::Landmark(id), image)
     }
 
     /// A click on a line.
-    #[must_use]
     pub fn line(id: LineId, image: ImagePoint) -> Self {
         Self::new(Target::Line(id), image)
     }
 
     /// Whether it is on a line, circle or arc.
-    #[must_use]
     pub const fn is_on_line(&self) -> bool {
         matches!(self.target, Some(Target::Line(_)))
     }
 
     /// Whether it is a model's point as the model gave it. A point that a person moved or renamed
     /// is the person's.
-    #[must_use]
     pub fn is_by_model(&self) -> bool {
         self.model_origin().is_some()
     }
 
     /// The origin of a model's point that no person moved or renamed.
-    #[must_use]
     pub fn model_origin(&self) -> Option<&ClickOrigin> {
         self.origin
             .as_deref()
@@ -129,7 +119,6 @@ impl Click {
 
     /// 1-σ of its place in each direction, px, where that is known better than for a person's
     /// click: it was aligned to paint, or a model states it.
-    #[must_use]
     pub fn own_sigma_px(&self) -> Option<f64> {
         self.snapped_sigma_px
             .or_else(|| self.model_origin()?.sigma_px)
@@ -144,7 +133,6 @@ impl Click {
     }
 
     /// A click without a name.
-    #[must_use]
     pub fn without_name(image: ImagePoint) -> Self {
         Self {
             target: None,

@@ -57,7 +57,6 @@ pub enum StoredClickNoise {
 
 impl StoredClickNoise {
     /// Why it cannot be used; none if it can.
-    #[must_use]
     pub fn fault(&self) -> Option<String> {
         match self {
             Self::Own(noise) if noise.is_plausible() => None,
@@ -85,7 +84,6 @@ impl ClickNoise {
     }
 
     /// One sentence for the user: which click noise weights the clicks.
-    #[must_use]
     pub fn describe(&self) -> String {
         let [low, high] = self.sigma_interval_95_px;
         format!(
@@ -95,7 +93,6 @@ impl ClickNoise {
     }
 
     /// Whether all factors are within the plausible range.
-    #[must_use]
     pub fn is_plausible(&self) -> bool {
         let mut factors = self.factor_by_landmark.values().chain([&self.factor]);
         factors.all(|factor| PLAUSIBLE_FACTOR.contains(factor))

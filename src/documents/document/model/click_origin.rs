@@ -52,7 +52,6 @@ pub struct ClickOrigin {
 
 impl ClickOrigin {
     /// The origin of a point of a model.
-    #[must_use]
     pub fn from_model(model: &str) -> Self {
         Self {
             name: format!("{MODEL}{model}"),
@@ -65,7 +64,6 @@ impl ClickOrigin {
     }
 
     /// The model's name.
-    #[must_use]
     pub fn model(&self) -> &str {
         self.name.strip_prefix(MODEL).unwrap_or(&self.name)
     }

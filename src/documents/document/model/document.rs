@@ -15,7 +15,6 @@ pub const FORMAT_NAME: &str = "touchline";
 pub const DOCUMENT_VERSION: u64 = 1;
 
 /// The value of `generator` in documents that this program writes.
-#[must_use]
 pub fn generator() -> String {
     format!("touchline {}", env!("CARGO_PKG_VERSION"))
 }
@@ -46,7 +45,6 @@ pub struct Document {
 
 impl Document {
     /// An empty document on a field.
-    #[must_use]
     pub fn new(field: FieldSpec) -> Self {
         Self {
             generator: generator(),
@@ -74,7 +72,6 @@ impl Document {
     }
 
     /// A camera by name.
-    #[must_use]
     pub fn camera(&self, id: &CameraId) -> Option<&Camera> {
         let mut cameras = self.cameras_near_number(id).iter().chain(&self.cameras);
         cameras
@@ -104,7 +101,6 @@ impl Document {
     }
 
     /// A camera's name with the first free number after it: “main 2”.
-    #[must_use]
     pub fn free_camera_name(&self, like: &CameraId) -> CameraId {
         // A number at the end is replaced, not extended: a copy of “main 2” is “main 3”.
         let stem = like
@@ -130,7 +126,6 @@ impl Document {
     }
 
     /// The names of the cameras that frames are of.
-    #[must_use]
     pub fn used_cameras(&self) -> BTreeSet<CameraId> {
         let of_frames = self.frames.iter().map(|frame| frame.camera.clone());
         of_frames.collect()
@@ -185,27 +180,23 @@ impl Document {
     }
 
     /// The camera that took a frame.
-    #[must_use]
     pub fn camera_of(&self, frame: &Frame) -> Option<&Camera> {
         self.camera(&frame.camera)
     }
 
     /// The principal point of a frame that somebody stated, px: that of the frame's own lens, or
     /// one of its camera other than the middle of the picture.
-    #[must_use]
     pub fn stated_principal_point(&self, frame: &Frame) -> Option<ImagePoint> {
         let own = frame.lens.as_ref().map(|lens| lens.principal_point);
         own.or_else(|| self.camera_of(frame)?.stated_principal_point())
     }
 
     /// The field that a frame shows: its camera's own, else the document's.
-    #[must_use]
     pub fn field_of(&self, frame: &Frame) -> &FieldSpec {
         self.field_of_camera(&frame.camera)
     }
 
     /// The field that a camera looks at: its own, else the document's.
-    #[must_use]
     pub fn field_of_camera(&self, camera: &CameraId) -> &FieldSpec {
         self.camera(camera)
             .and_then(|camera| camera.field.as_ref())
@@ -213,13 +204,11 @@ impl Document {
     }
 
     /// The camera of a solved frame at its pan, tilt and focal length.
-    #[must_use]
     pub fn ptz_camera(&self, frame: &Frame) -> Option<PtzCamera> {
         self.camera_of(frame)?.ptz_camera(frame)
     }
 
     /// All masks of a frame, its camera's and its own: boxes excluded from feature detection.
-    #[must_use]
     pub fn masks_of(&self, frame: &Frame) -> Vec<PixelBox> {
         let Some(camera) = self.camera_of(frame) else {
             return frame.masks.clone();
@@ -239,7 +228,6 @@ impl Document {
     }
 
     /// The annotator's own click noise, whether it is in use or not.
-    #[must_use]
     pub const fn own_click_noise(&self) -> Option<&ClickNoise> {
         match &self.click_noise {
             Some(StoredClickNoise::Own(noise)) => Some(noise),
@@ -248,7 +236,6 @@ impl Document {
     }
 
     /// The click noise that weights its clicks; none: the template's.
-    #[must_use]
     pub fn click_noise_in_use(&self) -> Option<ClickNoise> {
         self.own_click_noise()
             .filter(|noise| noise.in_use && noise.is_plausible())

@@ -12,7 +12,6 @@ pub struct Extra(Option<Box<Map<String, Value>>>);
 
 impl Extra {
     /// No keys.
-    #[must_use]
     pub const fn new() -> Self {
         Self(None)
     }

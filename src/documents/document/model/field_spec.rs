@@ -54,7 +54,6 @@ pub enum FieldSize {
 
 impl FieldSpec {
     /// A template with its defaults.
-    #[must_use]
     pub fn new(template: &str) -> Self {
         Self {
             template: template.to_owned(),
@@ -66,7 +65,6 @@ impl FieldSpec {
 
     /// A template with parameters that a person states. With its length or width among them, its
     /// size is known and not to be fitted.
-    #[must_use]
     pub fn with_params(template: &str, params: BTreeMap<String, f64>) -> Self {
         let is_size_stated = SIZE.iter().any(|name| params.contains_key(*name));
         Self {
@@ -77,7 +75,6 @@ impl FieldSpec {
     }
 
     /// Whether the template is the user's own file, not a built-in one.
-    #[must_use]
     pub fn is_file(&self) -> bool {
         Path::new(&self.template)
             .extension()
@@ -102,7 +99,6 @@ impl FieldSpec {
     }
 
     /// The height of the middle above the touchlines, m.
-    #[must_use]
     pub fn crown_m(&self) -> f64 {
         self.params.get(CROWN).copied().unwrap_or(0.0)
     }
@@ -142,7 +138,6 @@ impl FieldSpec {
     }
 
     /// The source of its size; `assumed` if the document does not state it.
-    #[must_use]
     pub fn size(&self) -> &FieldSize {
         self.size.as_ref().unwrap_or(&FieldSize::Assumed)
     }
@@ -150,7 +145,6 @@ impl FieldSpec {
     /// Its length and width in words, where they are assumed although venues differ: “105 × 68 m”.
     /// None for a size that is known or that the rules leave no choice of, and for a template of
     /// the user's own.
-    #[must_use]
     pub fn assumed_size(&self) -> Option<String> {
         if *self.size() != FieldSize::Assumed {
             return None;
@@ -179,13 +173,11 @@ impl FieldSpec {
     }
 
     /// Whether another field is equal in everything but the source of its size.
-    #[must_use]
     pub fn is_same_field(&self, other: &Self) -> bool {
         self.template == other.template && self.params == other.params
     }
 
     /// The message where the size is assumed.
-    #[must_use]
     pub fn describe_assumed_size(&self) -> Option<String> {
         self.assumed_size()
             .map(|size| format!("Field size {size} is assumed."))

@@ -172,7 +172,6 @@ impl FrameStatus {
     ];
 
     /// The name in documents.
-    #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::New => "new",
@@ -297,7 +296,6 @@ impl Frame {
     }
 
     /// A frame that is an image file, new.
-    #[must_use]
     pub fn from_image(image: &str, camera: CameraId, image_size: ImageSize) -> Self {
         Self {
             id: FrameId::from_picture(Some(image), None),
@@ -328,7 +326,6 @@ impl Frame {
     }
 
     /// A frame of a video, new.
-    #[must_use]
     pub fn from_video(video: VideoFrame, camera: CameraId, image_size: ImageSize) -> Self {
         let id = FrameId::from_picture(None, Some((&video.path, video.frame_index)));
         Self {
@@ -340,7 +337,6 @@ impl Frame {
     }
 
     /// Whether another frame has the same contents, regardless of the revisions.
-    #[must_use]
     pub fn has_content_of(&self, other: &Self) -> bool {
         // Equal frames are compared without a copy. For the others a copy takes our revision, so
         // that the derived comparison covers all other keys.
@@ -353,7 +349,6 @@ impl Frame {
     }
 
     /// The base of its camera with its own [lens](Self::lens), where it has one.
-    #[must_use]
     pub fn base_from(&self, base: &CameraBase) -> CameraBase {
         self.lens
             .as_ref()
@@ -371,7 +366,6 @@ impl Frame {
 
     /// Its name in messages: the image's path, else the video's and the frame's number
     /// (`match.mp4#412`).
-    #[must_use]
     pub fn name(&self) -> String {
         match (&self.image, &self.video) {
             (Some(image), _) => image.clone(),
@@ -381,32 +375,27 @@ impl Frame {
     }
 
     /// The path of the image file, given the document's folder.
-    #[must_use]
     pub fn image_path(&self, folder: &Path) -> Option<PathBuf> {
         self.image.as_ref().map(|image| folder.join(image))
     }
 
     /// The path of its video as the document writes it; none where it has no video.
-    #[must_use]
     pub fn video_path(&self) -> Option<&str> {
         self.video.as_ref().map(|video| video.path.as_str())
     }
 
     /// Its number in its video, counted from 0; none where it has no video.
-    #[must_use]
     pub fn video_frame_index(&self) -> Option<u64> {
         self.video.as_ref().map(|video| video.frame_index)
     }
 
     /// Its number for the user, at a position of the document: that of its video frame, else its
     /// position; both from 0.
-    #[must_use]
     pub fn number_at(&self, position: usize) -> u64 {
         self.video_frame_index().unwrap_or(position as u64)
     }
 
     /// The source of its pixels, given the document's folder: its image file, else its video frame.
-    #[must_use]
     pub fn picture_source(&self, folder: &Path) -> Option<FrameRef> {
         if let Some(path) = self.image_path(folder) {
             return Some(FrameRef::image(path));
@@ -422,7 +411,6 @@ impl Frame {
 
 impl VideoFrame {
     /// A frame of a video by its number and time.
-    #[must_use]
     pub fn new(path: &str, frame_index: u64, pts_s: Option<f64>) -> Self {
         Self {
             path: path.to_owned(),
@@ -435,14 +423,12 @@ impl VideoFrame {
 
     /// Whether a file that is recognised by `file_id` is another video than the one that was
     /// labelled; false where one of the two is not known.
-    #[must_use]
     pub fn is_of_other_file(&self, file_id: Option<&str>) -> bool {
         let ids = self.file_id.as_deref().zip(file_id);
         ids.is_some_and(|(stated, found)| !stated.eq_ignore_ascii_case(found))
     }
 
     /// The path of the video file, given the document's folder.
-    #[must_use]
     pub fn file_path(&self, folder: &Path) -> PathBuf {
         folder.join(&self.path)
     }

@@ -20,7 +20,6 @@ pub struct FrameId(Arc<str>);
 
 impl FrameId {
     /// The id as the document writes it.
-    #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0
     }

@@ -45,7 +45,6 @@ pub struct FrameLens {
 
 impl FrameLens {
     /// A lens by its numbers.
-    #[must_use]
     pub fn new(focal_px: f64, principal_point: ImagePoint, radial: Radial) -> Self {
         Self {
             focal_px,
@@ -57,7 +56,6 @@ impl FrameLens {
     }
 
     /// Its distortion.
-    #[must_use]
     pub fn radial(&self) -> Radial {
         Radial {
             k1: self.k1.unwrap_or(0.0),
@@ -66,7 +64,6 @@ impl FrameLens {
     }
 
     /// A base with this lens and principal point in place of its own, as exact as they are stated.
-    #[must_use]
     pub fn base_with(&self, base: &CameraBase) -> CameraBase {
         // The curve is constant, because the lens is stated for this frame's focal length alone. A
         // k₂ without k₁ has no curve and is left out, as the key's description says.

@@ -35,7 +35,6 @@ pub(in crate::document) struct DuplicateId {
 
 impl Frames {
     /// No frames.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -74,26 +73,22 @@ impl Frames {
     }
 
     /// How many there are.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.ordered.len()
     }
 
     /// Whether there are none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.ordered.is_empty()
     }
 
     /// The path of the first video that a frame is of.
-    #[must_use]
     pub fn first_video(&self) -> Option<&str> {
         let video = self.iter().find_map(|frame| frame.video.as_ref());
         video.map(|video| video.path.as_str())
     }
 
     /// The frame at a position.
-    #[must_use]
     pub fn get(&self, position: usize) -> Option<&Shared<Frame>> {
         self.ordered.get(position)
     }
@@ -105,7 +100,6 @@ impl Frames {
     }
 
     /// The position of the frame with an id.
-    #[must_use]
     pub fn position_of(&self, id: &FrameId) -> Option<usize> {
         let known = self
             .positions
@@ -133,7 +127,6 @@ impl Frames {
     }
 
     /// The frame of an id.
-    #[must_use]
     pub fn by_id(&self, id: &FrameId) -> Option<&Shared<Frame>> {
         self.get(self.position_of(id)?)
     }
@@ -144,19 +137,16 @@ impl Frames {
     }
 
     /// The first frame.
-    #[must_use]
     pub fn first(&self) -> Option<&Shared<Frame>> {
         self.ordered.front()
     }
 
     /// The last frame.
-    #[must_use]
     pub fn last(&self) -> Option<&Shared<Frame>> {
         self.ordered.back()
     }
 
     /// The frames in their order.
-    #[must_use]
     pub fn iter(&self) -> Iter<'_> {
         self.ordered.iter()
     }
@@ -169,7 +159,6 @@ impl Frames {
     }
 
     /// The frames in their order, on several threads.
-    #[must_use]
     pub fn par_iter(&self) -> impl IndexedParallelIterator<Item = &Shared<Frame>> {
         self.ordered.par_iter()
     }
@@ -244,7 +233,6 @@ impl Frames {
 
     /// Whether both share every frame, so that neither has changed since one was cloned from the
     /// other.
-    #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         self.ordered.ptr_eq(&other.ordered)
     }
@@ -252,7 +240,6 @@ impl Frames {
     /// The positions at which frames differ from those of another, ascending, and those beyond its
     /// end. With a common remembered state only frames that were borrowed mutably since are
     /// compared, else all that are not shared.
-    #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<usize> {
         let mut differ = Vec::new();
         if self.is_same(other) {

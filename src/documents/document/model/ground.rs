@@ -48,7 +48,6 @@ pub enum GroundGrade {
 
 impl GroundGrade {
     /// Its name in documents and tables.
-    #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::None => "none",

@@ -53,7 +53,6 @@ pub struct ImportedCamera {
 impl ImportedCamera {
     /// The record of a camera; none if one of its numbers is not finite, which a document cannot
     /// hold.
-    #[must_use]
     pub fn new(camera: &PtzCamera, moved_px: Option<f64>, fault: Option<String>) -> Option<Self> {
         // Heading, pitch and roll are those of the frame, pan and tilt included, because the other
         // program's base need not be the document's.
@@ -88,7 +87,6 @@ impl ImportedCamera {
 impl ImportedCamera {
     /// The base of the camera, with principal point and lens of `like`, and pan, tilt and focal
     /// length on it. Cameras without roll at one place have one base.
-    #[must_use]
     pub fn on_base_of(&self, like: &CameraBase) -> (CameraBase, Ptz) {
         let [heading, pitch, roll] =
             [self.heading_deg, self.pitch_deg, self.roll_deg].map(Angle::from_degrees);

@@ -40,7 +40,6 @@ pub enum MaskSource {
 impl RangedMask {
     /// Whether it covers a frame. A frame without a number in a video, an image, is always covered:
     /// what lies on some images of a camera may lie on all.
-    #[must_use]
     pub fn covers(&self, frame: &Frame) -> bool {
         let Some(video) = &frame.video else {
             return true;

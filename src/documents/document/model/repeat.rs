@@ -30,7 +30,6 @@ pub struct Repeat {
 
 impl Repeat {
     /// A blind click of a round, without its time.
-    #[must_use]
     pub fn new(landmark: LandmarkId, image: ImagePoint, round: u32) -> Self {
         Self {
             landmark,

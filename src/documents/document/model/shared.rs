@@ -14,13 +14,11 @@ pub struct Shared<T>(Arc<T>);
 
 impl<T> Shared<T> {
     /// Puts a value behind a handle.
-    #[must_use]
     pub fn new(value: T) -> Self {
         Self(Arc::new(value))
     }
 
     /// Whether two handles share the same value, not merely equal ones.
-    #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }

@@ -47,7 +47,6 @@ pub struct FramePtz {
 
 impl FramePtz {
     /// The record of a solved frame and of the lens that was used.
-    #[must_use]
     pub fn new(ptz: Ptz, lens: Option<Radial>) -> Self {
         Self {
             // Documents state angles in (−180°, 180°]; inside, a camera may have gone round
@@ -62,7 +61,6 @@ impl FramePtz {
     }
 
     /// The lens that was used, where it is recorded.
-    #[must_use]
     pub fn lens(&self) -> Option<Radial> {
         Some(Radial {
             k1: self.k1?,
@@ -71,7 +69,6 @@ impl FramePtz {
     }
 
     /// The same as the mathematics has it.
-    #[must_use]
     pub const fn ptz(&self) -> Ptz {
         Ptz::from_degrees(self.pan_deg, self.tilt_deg, self.focal_px)
     }
@@ -206,13 +203,11 @@ pub struct Proposed {
 
 impl PaintEvidence {
     /// Places of the lines that lie open.
-    #[must_use]
     pub const fn open(&self) -> usize {
         self.found + self.bare
     }
 
     /// What the paint says.
-    #[must_use]
     pub fn verdict(&self) -> LineVerdict {
         LineVerdict::from_score(self.score, self.open())
     }
@@ -343,7 +338,6 @@ impl Solution {
 
 impl SolutionWarning {
     /// A warning about the frame as a whole.
-    #[must_use]
     pub fn new(code: &str, message: String) -> Self {
         Self {
             code: code.to_owned(),

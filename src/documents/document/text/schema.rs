@@ -9,7 +9,6 @@ pub use touchline_assets::SCHEMA;
 /// The JSON Schema of documents as their types have it, without the line break at the end.
 #[cfg(feature = "schema")]
 #[doc(hidden)]
-#[must_use]
 pub fn schema_of_types() -> String {
     let settings = schemars::generate::SchemaSettings::draft2020_12();
     let schema = settings

@@ -13,7 +13,6 @@ use std::collections::BTreeMap;
 /// Puts the frames of edits into a document that is not their base. Frames that the edits removed
 /// stay, because they are not known; frames with only a suggestion, and changes of existing cameras
 /// and of the field, are not applied.
-#[must_use]
 pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
     // Suggestions are removed on both sides, so that only people's work is compared. Those of
     // `onto` return at the end, in frames that are still untouched.

@@ -19,7 +19,6 @@ pub struct Merged {
 
 /// Merges our and their version of `base`, frame by frame and camera by camera. The order is
 /// theirs; each frame that only we added is inserted behind its predecessor in our order.
-#[must_use]
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     merge_by([base, ours, theirs], |_, _| false)
 }

@@ -12,7 +12,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// The document in packages of `count` frames each, in its order; the last one may have fewer.
-#[must_use]
 pub fn split_into_packages(document: &Document, count: usize) -> Vec<Document> {
     let count = count.max(1);
     (0..document.frames.len())

@@ -91,7 +91,6 @@ impl Restored {
 
     /// The version as a side of a merge: its frames that were solved in it, on its own cameras and
     /// field. What it took from the document was solved there.
-    #[must_use]
     pub fn side(&self) -> Document {
         let frames = self.version.frames.iter().filter(|frame| {
             let own = self.own.frames.by_id(&frame.id);
@@ -105,7 +104,6 @@ impl Restored {
 
     /// The number of frames of the document that the version lacks and that stay nevertheless,
     /// because the owner worked in them.
-    #[must_use]
     pub fn missing_frames(&self, base: &Document) -> usize {
         let kept = base.frames.iter().filter(|frame| {
             let is_in = |document: &Document| document.frames.by_id(&frame.id).is_some();

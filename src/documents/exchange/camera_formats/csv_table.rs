@@ -89,7 +89,6 @@ fn field(value: Option<f64>) -> String {
 
 /// The homography from an undistorted pixel to the pitch (m), scaled so that its last entry is one.
 /// For crowned ground it is fitted.
-#[must_use]
 fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> Option<Mat3> {
     // On flat ground the homography follows from the camera exactly. A crowned field has none, so
     // that the nearest one is written, without the lens, as the column says.

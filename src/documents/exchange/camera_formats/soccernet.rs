@@ -39,20 +39,17 @@ pub struct SoccerNet;
 pub struct PnlCalib;
 
 /// A point of our world in theirs; the same map leads back.
-#[must_use]
 pub fn flip_point(point: Vec3) -> Vec3 {
     Vec3::new(point.x, -point.y, -point.z)
 }
 
 /// A rotation from the other world, theirs instead of ours or the reverse.
-#[must_use]
 pub fn flip_rotation(cam_from_world: &Mat3) -> Mat3 {
     cam_from_world * Mat3::from_diagonal(&Vec3::new(1.0, -1.0, -1.0))
 }
 
 /// Pan, tilt and roll, degrees, of a rotation from *their* world. ZXZ angles are ambiguous: (pan +
 /// 180°, −tilt, roll + 180°) is the same rotation. The triple with the smaller roll is returned.
-#[must_use]
 pub fn angles_deg(cam_from_their_world: &Mat3) -> [f64; 3] {
     // o = Rz(pan) Rx(tilt) Rz(roll): its third column is (sin pan sin tilt, −cos pan sin tilt, cos
     // tilt), its third row (sin tilt sin roll, sin tilt cos roll, cos tilt).
@@ -82,7 +79,6 @@ pub fn angles_deg(cam_from_their_world: &Mat3) -> [f64; 3] {
 }
 
 /// The rotation from their world of pan, tilt and roll, degrees.
-#[must_use]
 pub fn rotation_of([pan, tilt, roll]: [f64; 3]) -> Mat3 {
     let (s, c) = tilt.to_radians().sin_cos();
     let about_x = Mat3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
@@ -175,7 +171,6 @@ const SAME_PROPORTIONS: f64 = 0.005;
 
 /// The picture size if the principal point is its middle; none where that gives no whole numbers or
 /// an unusual aspect ratio, which means that the principal point is not in the middle.
-#[must_use]
 pub fn size_by_principal_point(point: ImagePoint) -> Option<ImageSize> {
     // The usual readers take twice the principal point for the size. That is a guess, so that it
     // must give a picture as cameras have them.

@@ -12,7 +12,6 @@ fn body_from_cam() -> Mat3 {
 }
 
 /// Pan (to the left), tilt and roll, degrees.
-#[must_use]
 pub fn angles_deg(cam_from_world: &Mat3) -> [f64; 3] {
     // m = Rz(pan) Rx(tilt) Ry(roll): its second column is (−sin pan cos tilt, cos pan cos tilt, sin
     // tilt), its third row (−cos tilt sin roll, sin tilt, cos tilt cos roll). Two-argument
@@ -25,13 +24,11 @@ pub fn angles_deg(cam_from_world: &Mat3) -> [f64; 3] {
 }
 
 /// The rotation of pan (to the left), tilt and roll, degrees.
-#[must_use]
 pub fn cam_from_world([pan, tilt, roll]: [f64; 3]) -> Mat3 {
     (world_from_body([pan, tilt, roll]) * body_from_cam()).transpose()
 }
 
 /// `R_world_from_body` of pan (to the left), tilt and roll, degrees.
-#[must_use]
 pub fn world_from_body([pan, tilt, roll]: [f64; 3]) -> Mat3 {
     let [(sp, cp), (st, ct), (sr, cr)] =
         [pan, tilt, roll].map(|degrees| degrees.to_radians().sin_cos());

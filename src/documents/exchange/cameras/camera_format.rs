@@ -160,7 +160,6 @@ pub trait CameraFormat: Sync {
 
 /// The name of a frame's files: the one that they came under, else its image's without the ending,
 /// or the video's with the frame's number.
-#[must_use]
 pub fn stem_of(frame: &FrameCamera) -> String {
     // A document that somebody sent may state any name; a folder in it would lead out of the export.
     if let Some(name) = &frame.labels_name {
@@ -190,7 +189,6 @@ pub fn file_stem(path: &str) -> String {
 }
 
 /// The file name of a frame's picture.
-#[must_use]
 pub fn file_name_of(frame: &FrameCamera) -> String {
     match &frame.image {
         Some(image) => base_name(image).to_owned(),
@@ -199,7 +197,6 @@ pub fn file_name_of(frame: &FrameCamera) -> String {
 }
 
 /// Whether a name has this ending, in any case.
-#[must_use]
 pub fn has_ending(name: &str, ending: &str) -> bool {
     Path::new(name)
         .extension()

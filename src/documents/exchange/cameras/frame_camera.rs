@@ -118,7 +118,6 @@ pub struct Unreadable {
 
 impl FrameCamera {
     /// A frame of which only a name and a camera are known.
-    #[must_use]
     pub fn new(name: &str, size: Option<ImageSize>, shown: FrameProjection) -> Self {
         Self {
             name: name.to_owned(),
@@ -148,7 +147,6 @@ impl FrameCamera {
     }
 
     /// The camera; none for a homography, a lens, or where it could not be read.
-    #[must_use]
     pub const fn pinhole(&self) -> Option<&Pinhole> {
         match &self.shown {
             FrameProjection::Camera(pinhole) => Some(pinhole),
@@ -160,7 +158,6 @@ impl FrameCamera {
 
     /// The image of a world point, px; none behind the camera, and for a homography none off the
     /// ground.
-    #[must_use]
     pub fn image_from_world(&self, point_in_world: Vec3) -> Option<ImagePoint> {
         match &self.shown {
             FrameProjection::Camera(pinhole) => {
@@ -183,7 +180,6 @@ impl FrameCamera {
 
 impl KnownLens {
     /// A camera with this lens at the origin that looks along the z axis of `world`.
-    #[must_use]
     pub fn camera_at_origin(&self) -> Pinhole {
         Pinhole {
             cam_from_world: Mat3::identity(),
@@ -197,7 +193,6 @@ impl KnownLens {
 
 impl Pinhole {
     /// Its lens alone.
-    #[must_use]
     pub const fn known_lens(&self) -> KnownLens {
         KnownLens {
             focal_px: self.focal_px,
@@ -207,7 +202,6 @@ impl Pinhole {
     }
 
     /// The camera of a frame at its pan, tilt and focal length.
-    #[must_use]
     pub fn from_ptz_camera(camera: &PtzCamera) -> Self {
         Self {
             cam_from_world: camera.cam_from_world(),
@@ -310,7 +304,6 @@ impl Pinhole {
     }
 
     /// The same as a [`PtzCamera`] at pan and tilt 0. None where k₂ is given without k₁.
-    #[must_use]
     pub fn ptz_camera(&self) -> Option<PtzCamera> {
         // The whole rotation becomes that of the base, so that pan and tilt are 0. No gauge is
         // needed to project points.
@@ -325,20 +318,17 @@ impl Pinhole {
     }
 
     /// Its lens as a curve that is constant over the focal length.
-    #[must_use]
     pub fn curve(&self) -> Option<FocalCurve> {
         FocalCurve::through(self.lens)
     }
 
     /// The translation of `cam_from_world`, t = −R C, m.
-    #[must_use]
     pub fn translation(&self) -> Vec3 {
         -(self.cam_from_world * self.position_m)
     }
 
     /// The homography from the ground (z = 0; x, y in m, 1) to the picture (px) without distortion:
     /// `K [r₁ r₂ t]`.
-    #[must_use]
     pub fn image_from_ground(&self) -> Mat3 {
         // The columns of the rotation for x and y, and the translation: the third column drops out
         // for z = 0 (Hartley and Zisserman, Multiple View Geometry, section 8.1.1).

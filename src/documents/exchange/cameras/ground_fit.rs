@@ -20,7 +20,6 @@ const HEIGHT_ROUNDS: usize = 4;
 /// The homography from the plan of the field (m) to the picture (px) that fits best over the
 /// visible field, by the normalised direct linear transform. Exact for flat ground and a lens
 /// without distortion.
-#[must_use]
 pub fn fit_image_from_ground(
     pinhole: &Pinhole,
     size: ImageSize,
@@ -51,7 +50,6 @@ pub fn fit_image_from_ground(
 
 /// How far a camera shows the ground from where a homography does at most, px, over the field that
 /// a picture of this size shows. None where it shows none of it.
-#[must_use]
 pub fn misfit_px(
     image_from_ground: &Mat3,
     pinhole: &Pinhole,

@@ -27,7 +27,6 @@ pub fn parts(frame: &FrameCamera) -> Result<(Pinhole, ImageSize), String> {
 }
 
 /// The frame with another camera.
-#[must_use]
 pub fn with(frame: &FrameCamera, name: String, pinhole: Pinhole) -> FrameCamera {
     FrameCamera {
         name,
@@ -37,7 +36,6 @@ pub fn with(frame: &FrameCamera, name: String, pinhole: Pinhole) -> FrameCamera 
 }
 
 /// The camera without distortion and with the principal point in the middle.
-#[must_use]
 pub fn plain(pinhole: &Pinhole, size: ImageSize) -> Pinhole {
     Pinhole {
         lens: Radial::default(),
@@ -48,7 +46,6 @@ pub fn plain(pinhole: &Pinhole, size: ImageSize) -> Pinhole {
 
 /// The name of a frame's image in a file beside the document: its path if that stays within the
 /// folder, else its file name; for a frame of a video, the video's name and the frame number.
-#[must_use]
 pub fn relative_name(frame: &FrameCamera) -> String {
     let Some(image) = &frame.image else {
         return format!("{}.jpg", stem_of(frame));

@@ -50,7 +50,6 @@ pub type View = (FrameCamera, ImageSize, Pinhole);
 
 /// Converts frames with known picture sizes into a document. Frame numbers refer to the video's
 /// path, if it is given.
-#[must_use]
 pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Document {
     let mut document = Document::new(field);
     let mut ids = FreeNames::new("-");

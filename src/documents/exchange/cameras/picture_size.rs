@@ -25,7 +25,6 @@ const OFF_CENTRE: f64 = 0.1;
 
 /// The frame rescaled to a picture of another size, and the factor; none where the aspect ratios
 /// differ.
-#[must_use]
 pub fn fit_to_picture(
     frame: &FrameCamera,
     picture: ImageSize,
@@ -100,7 +99,6 @@ impl FittedSizes {
     }
 
     /// The note about them; `what` is one of them.
-    #[must_use]
     pub fn note(&self, what: &str) -> Option<String> {
         let (stated, picture) = self.first?;
         Some(format!(

@@ -53,7 +53,6 @@ pub struct Mark {
 
 impl Mark {
     /// A point of which only the place is known.
-    #[must_use]
     pub const fn new(label: String, image: ImagePoint) -> Self {
         Self {
             label,
@@ -118,7 +117,6 @@ pub fn size_or_option(
 }
 
 /// The error about a picture of unknown size.
-#[must_use]
 pub fn size_needed(image: &str) -> Problem {
     let what = format!("the size of {:?}", shorten(image));
     Problem::OptionNeeded {

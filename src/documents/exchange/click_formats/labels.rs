@@ -82,7 +82,6 @@ pub const SOCCERNET_LINES: [(&str, &str); 26] = [
 const SOCCERNET_UNKNOWN: [&str; 2] = ["Goal unknown", "Line unknown"];
 
 /// The keypoints of training data in their order.
-#[must_use]
 pub fn keypoints(names: KeypointNames, field: &FieldModel) -> Vec<String> {
     match names {
         KeypointNames::Touchline => field
@@ -137,7 +136,6 @@ fn ours(name: &str, field: &FieldModel) -> Option<Target> {
 
 /// The place that a label states, such as `(16.5, 54.16)`: m from the field's far left corner to the
 /// right and towards the main camera.
-#[must_use]
 pub fn place_of_label(label: &str) -> Option<[f64; 2]> {
     let inner = label.trim().strip_prefix('(')?.strip_suffix(')')?;
     let (x, y) = inner.split_once(',')?;
@@ -261,7 +259,6 @@ impl LabelMap {
 }
 
 /// Labels with how often each occurs, for a message.
-#[must_use]
 pub fn describe_counts(labels: &BTreeMap<String, usize>) -> String {
     labels
         .iter()

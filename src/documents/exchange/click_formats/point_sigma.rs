@@ -19,7 +19,6 @@ const SIGMA_AT_ONE_PX: f64 = 2.2;
 const LEAST_PROBABILITY: f64 = 0.01;
 
 /// 1-σ of a model's point by its probability p, px of the picture: 2.2 px / √p at 1920 px width.
-#[must_use]
 pub fn sigma_by_probability_px(probability: f64, size: ImageSize) -> f64 {
     SIGMA_AT_ONE_PX * size.scale_from_1920() / probability.max(LEAST_PROBABILITY).sqrt()
 }

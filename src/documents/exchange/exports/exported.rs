@@ -33,13 +33,11 @@ pub struct Exported {
 
 impl Exported {
     /// Whether it is written as a folder.
-    #[must_use]
     pub fn is_folder(&self) -> bool {
         self.in_takes || self.format.is_folder()
     }
 
     /// The dataset and the folder that its relative paths start from; none for foreign formats.
-    #[must_use]
     pub fn dataset(&self) -> Option<(&Document, &Path)> {
         self.dataset
             .as_ref()

@@ -19,7 +19,6 @@ use touchline_core::geometry::{ImagePoint, pluralise};
 /// interpolated linearly in time. A gap that contains a rejected frame, a frame of another camera
 /// or clip, or one with a camera that was not chosen, is not filled. Gaps that were not filled are
 /// reported in a note.
-#[must_use]
 pub fn interpolate_gaps(
     document: &Document,
     choice: &FrameChoice,

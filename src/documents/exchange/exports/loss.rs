@@ -146,7 +146,6 @@ fn visible<'a>(
 }
 
 /// The loss between frames and what a format keeps of them; none where nothing is lost.
-#[must_use]
 pub fn loss_between(
     frames: &[FrameCamera],
     held: &[FrameCamera],
@@ -201,7 +200,6 @@ pub fn loss_between(
 
 /// The largest distance (px) by which ground points move in these frames if the ground is assumed
 /// flat, as readers of cameras do.
-#[must_use]
 pub fn crown_off_px(frames: &[FrameCamera], field: &FieldModel) -> f64 {
     let points: Vec<FieldPoint> = points_of(field)
         .into_iter()
@@ -245,7 +243,6 @@ fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
 /// The landmark that moves most between two frames, with its distance, px. Only landmarks within
 /// the picture or near it are compared; one that only the first frame shows has an infinite
 /// distance.
-#[must_use]
 pub fn farthest_landmark(
     frame: &FrameCamera,
     other: &FrameCamera,

@@ -52,7 +52,6 @@ pub struct JoinedPair {
 /// Imported frames that have no pictures of their own are attached to the frames of the document's
 /// only video in the most plausible way ([`plan_attachment`]); where none is plausible, a note says
 /// why, and they are appended.
-#[must_use]
 pub fn join(open: DocumentAt<'_>, imported: &Imported) -> JoinedImport {
     let attachment = plan_attachment(open, imported);
     // The most plausible way, which is the first; the window lets the user choose another one.

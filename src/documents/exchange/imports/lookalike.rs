@@ -42,7 +42,6 @@ impl Lookalike {
     }
 
     /// What to do instead, as the end of a message.
-    #[must_use]
     pub const fn hint(self) -> &'static str {
         match self {
             Self::ModelPoints => {

@@ -35,7 +35,6 @@ pub struct PicturePoints {
 impl PicturePoints {
     /// The points of a frame at a position of its document: those of its picture's name, else those
     /// of its number.
-    #[must_use]
     pub fn for_frame(&self, frame: &Frame, position: usize) -> &[ImagePoint] {
         let name = frame.image.as_deref().map(stem);
         let by_name = name.and_then(|name| self.by_name.get(name));
@@ -45,7 +44,6 @@ impl PicturePoints {
     }
 
     /// How many there are.
-    #[must_use]
     pub fn count(&self) -> usize {
         let lists = self.by_number.values().chain(self.by_name.values());
         lists.map(Vec::len).sum()

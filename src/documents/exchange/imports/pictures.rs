@@ -16,7 +16,6 @@ const IMAGE_ENDINGS: [&str; 9] = [
 
 /// The file of a named image within a folder, and its size if it exists. Where the folder has no
 /// such path, it may be the one that the path begins with: `0001.jpg` is `images/0001.jpg`.
-#[must_use]
 pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
     // SoccerNet, WC14 and YOLO name a frame without the ending of its picture. A name may have dots
     // of its own, so that only known endings count as one.

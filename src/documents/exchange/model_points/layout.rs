@@ -55,7 +55,6 @@ impl PointLayout {
     }
 
     /// Its name on the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         self.reader().about().name
     }

@@ -25,7 +25,6 @@ pub enum PointOutcome {
 
 impl PointOutcome {
     /// Its name in files.
-    #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Open => "open",

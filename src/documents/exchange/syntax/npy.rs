@@ -25,7 +25,6 @@ pub struct Array {
 
 impl Array {
     /// The bytes that `numpy.save` writes for it as float64.
-    #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let sides: Vec<String> = self.shape.iter().map(ToString::to_string).collect();
         // The header is a literal of Python (NumPy, `numpy.lib.format`): a tuple of one has a comma
@@ -44,7 +43,6 @@ impl Array {
     }
 
     /// The numbers of one entry along the first axis.
-    #[must_use]
     pub fn row(&self, index: usize) -> &[f64] {
         let length: usize = self.shape.iter().skip(1).product();
         self.values
@@ -54,7 +52,6 @@ impl Array {
 }
 
 /// The bytes that `numpy.save` writes for a matrix of float64.
-#[must_use]
 pub fn matrix_to_bytes(matrix: &Mat3) -> Vec<u8> {
     Array {
         shape: vec![3, 3],

@@ -237,7 +237,6 @@ fn data_of(bytes: &[u8], entry: Entry) -> Option<&[u8]> {
 }
 
 /// The bytes of an archive of arrays, stored as `numpy.savez` does.
-#[must_use]
 pub fn archive_to_bytes(arrays: &[(&str, Array)]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut table = Vec::new();

@@ -134,13 +134,11 @@ impl Table {
 
 impl TableRow<'_> {
     /// The line of the file in which the row begins, from 1.
-    #[must_use]
     pub fn line(&self) -> usize {
         self.table.fields.row_lines[self.index]
     }
 
     /// A field; none where it is empty or the column is missing.
-    #[must_use]
     pub fn text(&self, column: &str) -> Option<&str> {
         let at = self.table.header.iter().position(|name| name == column)?;
         let fields = &self.table.fields;

@@ -37,7 +37,6 @@ pub fn frame_number(what: &str, value: f64) -> Result<u64, Problem> {
 }
 
 /// The entry of a list of coefficients; one that the list does not have is zero.
-#[must_use]
 pub fn coefficient(list: &[f64], index: usize) -> f64 {
     list.get(index).copied().unwrap_or(0.0)
 }
@@ -58,7 +57,6 @@ pub fn refuse_further_coefficients(others: &[f64]) -> Result<(), Problem> {
 }
 
 /// The beginning of a text, for a message.
-#[must_use]
 pub fn shorten(text: &str) -> String {
     const MAX_CHARACTERS: usize = 60;
     // Letters, not bytes: a cut within a letter of several bytes would panic.

@@ -124,7 +124,6 @@ pub enum FigureError {
 
 impl Axis {
     /// A linear axis that fits the series.
-    #[must_use]
     pub fn linear(label: &str) -> Self {
         Self {
             label: label.to_owned(),
@@ -134,7 +133,6 @@ impl Axis {
     }
 
     /// A logarithmic axis that fits the series.
-    #[must_use]
     pub fn log(label: &str) -> Self {
         Self {
             scale: Scale::Log,
@@ -154,7 +152,6 @@ impl Axis {
 
 impl Series {
     /// A solid line with discs in a colour of the palette.
-    #[must_use]
     pub fn new(name: &str, colour: usize, points: Vec<[f64; 2]>) -> Self {
         Self {
             name: name.to_owned(),
@@ -167,7 +164,6 @@ impl Series {
     }
 
     /// Sets error bars: low and high end for each point.
-    #[must_use]
     pub fn with_bars(self, bars: Vec<[f64; 2]>) -> Self {
         Self { bars, ..self }
     }
@@ -186,7 +182,6 @@ impl Series {
 
     /// The cumulative distribution of values, as a staircase. `of` is the number of all cases,
     /// including those without a value, which the curve never reaches.
-    #[must_use]
     pub fn cumulative(name: &str, colour: usize, values: &[f64], of: usize) -> Self {
         let mut sorted: Vec<f64> = values
             .iter()
@@ -208,7 +203,6 @@ impl Series {
 
 impl Figure {
     /// An empty figure with these axes.
-    #[must_use]
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
         Self {
             title: title.to_owned(),

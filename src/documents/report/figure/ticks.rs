@@ -18,7 +18,6 @@ const WANTED: f64 = 5.0;
 impl Ruler {
     /// The ruler of an axis for these values. Without a range of its own, the axis fits the values
     /// and begins and ends at a tick mark.
-    #[must_use]
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
         let usable = values
             .filter(|value| value.is_finite() && (axis.scale == Scale::Linear || *value > 0.0));
@@ -39,20 +38,17 @@ impl Ruler {
     }
 
     /// A linear ruler over a range with about this number of tick marks.
-    #[must_use]
     pub fn within(range: [f64; 2], wanted: f64) -> Self {
         Self::linear(range, true, wanted)
     }
 
     /// A linear ruler over these values with about this number of tick marks, including one at
     /// either end.
-    #[must_use]
     pub fn around(range: [f64; 2], wanted: f64) -> Self {
         Self::linear(range, false, wanted)
     }
 
     /// The first and the last value.
-    #[must_use]
     pub const fn range(&self) -> [f64; 2] {
         [self.from, self.to]
     }
@@ -140,7 +136,6 @@ impl Ruler {
 
     /// The position of a number along the axis, 0 to 1 within its range; none if a logarithmic axis
     /// cannot show it.
-    #[must_use]
     pub fn share(&self, value: f64) -> Option<f64> {
         let share = match self.scale {
             Scale::Linear => (value - self.from) / (self.to - self.from),

@@ -121,7 +121,6 @@ impl Store {
     }
 
     /// The document's location.
-    #[must_use]
     pub const fn location(&self) -> &Location {
         &self.location
     }

@@ -27,13 +27,11 @@ pub struct Recovery {
 
 impl Recovery {
     /// Whether there is nothing to report.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
     /// The report to the user, in a few sentences; none if there is nothing to report.
-    #[must_use]
     pub fn message(&self) -> Option<String> {
         let mut sentences = Vec::new();
         match &self.edits[..] {

@@ -76,7 +76,6 @@ pub fn reserve(path: &Path) -> Result<Option<Reserved>, StoreError> {
 
 impl Reserved {
     /// The document's location.
-    #[must_use]
     pub const fn location(&self) -> &Location {
         &self.location
     }

@@ -169,7 +169,6 @@ impl BaseProblem {
     }
 
     /// Number of clicks that take part.
-    #[must_use]
     pub fn click_count(&self) -> usize {
         self.clicks
             .iter()
@@ -276,7 +275,6 @@ impl BaseProblem {
 /// A homography gives position, rotation and focal length. They are refined with a pinhole lens and
 /// the field's crown: one frame does not determine a lens. A camera from lines has the usual places
 /// of cameras as a prior instead of a known principal point and lens.
-#[must_use]
 pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> Option<PtzCamera> {
     let camera = document.camera_of(frame)?;
     let frames = [FrameClicks {
@@ -310,7 +308,6 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
 }
 
 /// Describes the residuals of a frame with mirrored names.
-#[must_use]
 pub fn describe_mirrored(mirrored: &MirroredFrame) -> String {
     let exchanged = match mirrored.symmetry {
         Symmetry::MirrorX => "left and right",

@@ -48,7 +48,6 @@ struct ShotKey {
 
 impl FrameLookup {
     /// Builds the lookup of a document.
-    #[must_use]
     pub fn from_document(document: &Document) -> Self {
         let mut accepted: BTreeMap<CameraId, Vec<Ptz>> = BTreeMap::new();
         let mut shots: BTreeMap<ShotKey, BTreeMap<Moment, Ptz>> = BTreeMap::new();
@@ -157,7 +156,6 @@ impl FrameLookup {
     }
 
     /// The indices of a camera's frames that have clicks, ascending.
-    #[must_use]
     pub fn clicked_frames(&self, camera: &CameraId) -> Vec<usize> {
         self.clicked
             .get(camera)
@@ -166,7 +164,6 @@ impl FrameLookup {
     }
 
     /// Number of a camera's frames that have clicks.
-    #[must_use]
     pub fn clicked_frame_count(&self, camera: &CameraId) -> usize {
         self.clicked
             .get(camera)
@@ -174,7 +171,6 @@ impl FrameLookup {
     }
 
     /// What a camera's frames contribute to its base.
-    #[must_use]
     pub fn readiness(&self, camera: &CameraId) -> BaseReadiness {
         self.clicked
             .get(camera)
@@ -188,7 +184,6 @@ impl FrameLookup {
     ///
     /// The frame itself is excluded; otherwise a wrong solution would confirm itself when it is
     /// solved again.
-    #[must_use]
     pub fn prior(&self, index: usize) -> MotionPrior {
         let Some(frame) = self.frames.get(index) else {
             return MotionPrior::default();

@@ -42,7 +42,6 @@ pub struct TsWorldCup;
 
 /// The map from the ground (x and y in m, from the middle, y away from the camera) to a template of
 /// this length and width (yards, from the far left corner, y down).
-#[must_use]
 pub fn template_from_ground([length, width]: [f64; 2]) -> Mat3 {
     Mat3::new(
         1.0 / YARD_M,

@@ -34,7 +34,6 @@ pub enum LabelOrigin {
 
 impl LabelOrigin {
     /// The origin of a frame's label; none where it has neither clicks nor a camera.
-    #[must_use]
     pub fn from_frame(frame: &Frame) -> Option<Self> {
         let is_clicked = frame.clicks.iter().any(|click| click.target.is_some());
         if frame.ptz.is_none() {
@@ -59,7 +58,6 @@ impl LabelOrigin {
     }
 
     /// Its name in files.
-    #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Clicked => "clicked",

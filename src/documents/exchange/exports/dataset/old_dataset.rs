@@ -14,7 +14,6 @@ pub const DOCUMENT: &str = "dataset.json";
 
 /// The path for a new folder: the chosen one if it is empty, absent or a dataset, else a folder of
 /// this name in it.
-#[must_use]
 pub fn folder_for_new(chosen: &Path, name: &str) -> PathBuf {
     let is_full = fs::read_dir(chosen).is_ok_and(|mut entries| entries.next().is_some());
     let is_dataset = chosen.join(MANIFEST).is_file();

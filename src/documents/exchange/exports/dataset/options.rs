@@ -60,7 +60,6 @@ impl Pictures {
     pub const ALL: [Self; 4] = [Self::Copied, Self::Linked, Self::Extracted, Self::Left];
 
     /// Its name on the command line.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Copied => "copy",
@@ -86,7 +85,6 @@ impl PictureFormat {
     pub const ALL: [Self; 2] = [Self::Png, Self::Jpeg];
 
     /// The ending of its files.
-    #[must_use]
     pub const fn ending(self) -> &'static str {
         match self {
             Self::Png => "png",
@@ -150,7 +148,6 @@ impl SplitBy {
     pub const ALL: [Self; 3] = [Self::Clip, Self::Camera, Self::Match];
 
     /// Its name on the command line.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Clip => "clip",

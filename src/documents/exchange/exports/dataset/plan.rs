@@ -99,13 +99,11 @@ impl Source {
 
 impl DatasetPlan {
     /// How many frames each split holds, in order; without splits the first holds all.
-    #[must_use]
     pub fn counts(&self) -> [usize; 3] {
         count_by_split(self.frames.iter())
     }
 
     /// How many frames have a label of each origin.
-    #[must_use]
     pub fn origins(&self) -> BTreeMap<LabelOrigin, usize> {
         let mut counts = BTreeMap::new();
         for frame in &self.frames {
@@ -124,7 +122,6 @@ impl DatasetPlan {
     }
 
     /// The number of pictures that are written.
-    #[must_use]
     pub fn pictures(&self) -> usize {
         self.frames.iter().map(PlannedFrame::num_pictures).sum()
     }

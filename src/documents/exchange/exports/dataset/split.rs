@@ -23,7 +23,6 @@ impl Split {
     pub const ALL: [Self; 3] = [Self::Train, Self::Validation, Self::Test];
 
     /// The name of its folder.
-    #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Train => "train",

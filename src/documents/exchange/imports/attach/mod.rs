@@ -199,20 +199,17 @@ pub fn plan_attachment(
 
 impl Attachment {
     /// What tells which frame of the video an imported frame is.
-    #[must_use]
     pub const fn matched_by(&self) -> MatchedBy {
         self.matched_by
     }
 
     /// The ways to attach the frames, the most plausible first; at least one.
-    #[must_use]
     pub fn candidates(&self) -> &[AttachmentCandidate] {
         &self.candidates
     }
 
     /// By how many frames the cameras come later in the video in each way than in the most plausible
     /// one, which is the first. Ways that count something else are left out.
-    #[must_use]
     pub fn shifts(&self) -> Vec<i64> {
         let Some(first) = self.candidates.first() else {
             return vec![0];
@@ -231,7 +228,6 @@ impl Attachment {
     ///
     /// Frames without a frame of the video are left out; the notes say how many, and how the others
     /// are attached.
-    #[must_use]
     pub fn apply(&self, imported: &Imported, candidate: &AttachmentCandidate) -> Imported {
         // Paths of the imported document start from its own folder; the result lies in that of the
         // video.
@@ -336,7 +332,6 @@ fn describe_counting(candidate: &AttachmentCandidate) -> String {
 
 /// The size of the pictures of a document's only video; none where it has no video or several, or
 /// its frames differ in size.
-#[must_use]
 pub fn size_of_only_video(open: DocumentAt<'_>) -> Option<ImageSize> {
     OnlyVideo::find(open)?;
     let mut sizes = open
