@@ -312,11 +312,14 @@ impl Decision<'_> {
 fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
     let mut candidates = candidates.into_iter();
     let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
-    // Candidates in the position of the best are the same answer.
-    let is_elsewhere = |other: &Hypothesis| {
-        !is_same_position(other.position_m(), best.position_m(), &best.camera.field)
-    };
-    let elsewhere: Vec<Hypothesis> = candidates.filter(is_elsewhere).collect();
+    // Candidates in the position of the best are the same answer, and what one of them found against
+    // the stated size counts against all.
+    let (same, elsewhere): (Vec<Hypothesis>, Vec<Hypothesis>) = candidates.partition(|other| {
+        is_same_position(other.position_m(), best.position_m(), &best.camera.field)
+    });
+    let other_sizes = same.iter().map(|same| same.camera.evidence.other_size_m);
+    let of_best = &mut best.camera.evidence.other_size_m;
+    *of_best = of_best.or_else(|| other_sizes.flatten().next());
     best.camera.evidence.runner_up_nats = elsewhere.first().map(Hypothesis::nats);
     // A candidate against which there is evidence cannot question one without, and does not hide
     // the one after it.
@@ -409,6 +412,27 @@ mod tests {
             (Some(480.0), Some(8.0)),
             "where the best has doubts too"
         );
+    }
+
+    /// On a pitch of 105 m said to be 103 m long, the start with most evidence took another size for a
+    /// wrong minimum, and the two beside it found the right one.
+    #[test]
+    fn another_size_found_from_beside_the_best_is_a_doubt() {
+        let mut same = beside(1.0, 495.0);
+        same.camera.evidence.other_size_m = Some([105.1, 68.0]);
+        let mut away = beside(8.0, 490.0);
+        away.camera.evidence.other_size_m = Some([90.0, 75.0]);
+        let size_of = |candidates| {
+            choose(candidates)
+                .unwrap()
+                .best
+                .camera
+                .evidence
+                .other_size_m
+        };
+        let best = beside(0.0, 500.0);
+        assert_eq!(size_of(vec![best.clone(), away.clone()]), None);
+        assert_eq!(size_of(vec![best, away, same]), Some([105.1, 68.0]));
     }
 
     #[test]
