@@ -10,8 +10,8 @@ use touchline_vision::paint::{MarkingPixel, MarkingPixels, PixelContent};
 /// Marking pixels within this distance across a line are compared with it, px at 1920 px width.
 pub const REACH_PX: f64 = 12.0;
 
-/// How far along a line a marking pixel may lie from a sample, px at 1920 px width, and the distance
-/// between samples.
+/// How far along a line a marking pixel may lie from a sample, and the distance between samples, px
+/// at 1920 px width.
 const ALONG_PX: f64 = 3.0;
 const SPACING_PX: f64 = 2.0 * ALONG_PX;
 
@@ -25,8 +25,8 @@ const SAMPLES_PER_BESIDE: usize = 3;
 /// The least cosine between the directions of a line and of a marking pixel that may be its paint.
 const MIN_COS: f64 = 0.87;
 
-/// The side of a stretch of a line, or of a place of the ground, as a share of the field's diagonal:
-/// about 2 m of a soccer field.
+/// The side of a stretch of a line, or of a place of the ground, as a share of the diagonal of the
+/// field: about 2 m on a soccer pitch.
 const STRETCH_SHARE: f64 = 1.0 / 62.0;
 
 /// Paint within this share of the field's diagonal beside the field lies on the field, too.
@@ -135,8 +135,8 @@ fn is_explained(pixel: &MarkingPixel, lines: &Nearby<'_, LineSample>, scale: f64
         })
 }
 
-/// The distance of a point from a line across it, px at 1920 px width; none if it lies out of reach,
-/// or farther along the line than `along_px`.
+/// The distance of a point from a line across it, px at 1920 px width. None if it lies out of
+/// reach, or farther along the line than `along_px`.
 fn offset_within_reach(
     at: ImagePoint,
     on_line: ImagePoint,

@@ -189,7 +189,8 @@ impl JointStart {
 mod tests {
     use super::*;
     use crate::autocalibrate::rotating_camera::{
-        base, frames_at_scale, hypothesis, matched_views, paint, ptz, soccer,
+        base, frames_at_scale, hypothesis, matched_views, matched_views_with_pixels, paint, ptz,
+        soccer,
     };
 
     #[test]
@@ -233,7 +234,8 @@ mod tests {
     /// On a field that is taken for 3 m too long, the camera stands still where it is right.
     #[test]
     fn camera_and_size_settle_together() {
-        let (prior, matched) = (soccer(), matched_views());
+        let prior = soccer();
+        let matched = matched_views_with_pixels(&prior.assumed, &[0, 1, 2, 3, 4, 5, 6]);
         let mut settled = hypothesis(&prior.assumed);
         settled.camera.field = prior.with_lengths(&[108.0, 68.0]).unwrap();
         settled.camera.base.position_m.x += 1.0;

@@ -6,8 +6,8 @@
 use touchline_core::field::{Curve, FieldModel};
 use touchline_core::geometry::{Vec2, Vec3};
 
-/// Side of a cell on a soccer pitch, m. The search reads cells in random order; at this size those of a whole field
-/// fit into the cache of a core.
+/// Side of a cell on a soccer pitch, m. The search reads cells in random order; at this size those
+/// of a whole field fit into the cache of a core.
 const CELL_M: f64 = 0.5;
 
 /// How far beyond a soccer pitch the map reaches, m.
@@ -166,7 +166,8 @@ fn direction(curve: &Curve, place: Vec3) -> Vec2 {
     along.try_normalize(0.0).unwrap_or_default()
 }
 
-/// The unsigned distance of a point across a curve, m; none more than `overshoot_m` beyond its ends.
+/// The unsigned distance of a point across a curve, m; none more than `overshoot_m` beyond its
+/// ends.
 fn across_m(curve: &Curve, place: Vec3, overshoot_m: f64) -> Option<f64> {
     // The offset from the nearest point is perpendicular to the curve unless that point is an end;
     // its part along the curve is then the distance beyond the end.

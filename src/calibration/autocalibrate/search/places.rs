@@ -12,8 +12,8 @@
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, Vec3};
 
-/// The size of a field relative to a soccer pitch of 105 × 68 m, by their diagonals. Lengths of the
-/// search are stated for such a pitch and multiplied by this: half as large a field looks the same
+/// The size of a field relative to a soccer pitch of 105 × 68 m, by their diagonals. Lengths of
+/// the search are stated for such a pitch and multiplied by this: half as large a field looks the same
 /// from half as far away.
 pub fn relative_size(field: &FieldModel) -> f64 {
     field.length_m.hypot(field.width_m) / 105_f64.hypot(68.0)
@@ -33,15 +33,15 @@ const TURN_FROM_DEG: f64 = -40.0;
 pub const TURN_STEP_DEG: f64 = 2.0;
 const NUM_HEADINGS: usize = 41;
 
-/// Spacing of the usual places on a soccer pitch, m. Heights are a geometric series: errors of the height matter
-/// relative to the height.
+/// Spacing of the usual places on a soccer pitch, m. Heights are a geometric series: errors of the
+/// height matter relative to the height.
 pub const X_STEP_M: f64 = 4.0;
 pub const Y_STEP_M: f64 = 5.0;
 pub const HEIGHT_RATIO: f64 = 1.14;
 
 impl SearchPlaces {
-    /// The stand along one side of a field, on a soccer pitch |x| ≤ 64 m, 40 to 110 m from the long
-    /// axis, 5 to 31 m high.
+    /// The stand along one side of a field, on a soccer pitch |x| ≤ 64 m, 40 to 110 m from the
+    /// long axis, 5 to 31 m high.
     pub fn usual(field: &FieldModel) -> Self {
         let mut positions_m = Vec::new();
         for height in 0..15 {

@@ -312,8 +312,8 @@ impl Decision<'_> {
 fn choose(candidates: Vec<Hypothesis>) -> Result<Choice, Abstention> {
     let mut candidates = candidates.into_iter();
     let mut best = candidates.next().ok_or(Abstention::NothingFits)?;
-    // Candidates in the position of the best are the same answer, and what one of them found against
-    // the stated size counts against all.
+    // Candidates in the position of the best are the same answer, and what one of them found
+    // against the stated size counts against all.
     let (same, elsewhere): (Vec<Hypothesis>, Vec<Hypothesis>) = candidates.partition(|other| {
         is_same_position(other.position_m(), best.position_m(), &best.camera.field)
     });
@@ -414,8 +414,8 @@ mod tests {
         );
     }
 
-    /// On a pitch of 105 m said to be 103 m long, the start with most evidence took another size for a
-    /// wrong minimum, and the two beside it found the right one.
+    /// On a pitch of 105 m said to be 103 m long, the start with most evidence went to a wrong size,
+    /// and the two beside it found the right one.
     #[test]
     fn another_size_found_from_beside_the_best_is_a_doubt() {
         let mut same = beside(1.0, 495.0);

@@ -18,6 +18,7 @@ const OPTIONS: [(&str, &str); 33] = [
     ("give --map ", "choose what labels are: "),
     ("; --size WIDTHxHEIGHT gives another", ""),
     ("--size WIDTHxHEIGHT or --images FOLDER", "the picture size"),
+    ("--video VIDEO or --size WIDTHxHEIGHT", "the picture size"),
     ("--size WIDTHxHEIGHT", "the picture size"),
     ("given by --size", "given as picture size"),
     ("--size ", "picture size "),
