@@ -69,8 +69,6 @@ pub mod ui;
 pub use touchline_application::render;
 #[doc(hidden)]
 pub use touchline_application::{app, jobs, scene};
-#[doc(hidden)]
-pub use touchline_calibration::evidence;
 #[doc(inline)]
 pub use touchline_calibration::{autocalibrate, calibrate, evaluate, pipelines, proposals};
 #[doc(inline)]

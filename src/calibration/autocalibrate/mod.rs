@@ -27,7 +27,7 @@
 //! | 4′. With two clicked landmarks, poses from pairs of clicks in place of the search | `search/clicked.rs` | – |
 //! | 5. Fit of the panorama with focal scale, crown and field size | `search/panorama_fit/` | low cameras, from which size and distance trade off; boards beside lines that are hardly seen (`search/bright_markings.rs`) |
 //! | 6. Joint adjustment of the base and all frames to the paint in the pictures | `adjustment/`: `candidates.rs`, `hypothesis.rs`, `joint.rs`, `paint_on_lines.rs` | wrong lines at first; frames that stray; boards beside lines that are hardly seen |
-//! | 7. Evidence in nats ([`crate::evidence`]), by which candidates are ordered and moves are taken; halves of the frames give one position | `adjustment/evidence.rs` | fields of another sport or size, lines of another sport on the same ground |
+//! | 7. Evidence in nats (room `evidence`), by which candidates are ordered and moves are taken; halves of the frames give one position | `adjustment/evidence.rs` | fields of another sport or size, lines of another sport on the same ground |
 //! | 8. The best two are aligned to each frame's own picture and adjusted once more | `adjustment/`: `align.rs`, `refine.rs` | frames that went to other lines; a principal point that a few frames draw away |
 //! | 9. Verdict; lines too faint for any single picture are looked for in the mean of all, and clicks that played no part confirm | `verdict/`: `decision.rs`, `checks.rs`, `faint_lines.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much; poor pictures |
 //!

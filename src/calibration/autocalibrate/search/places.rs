@@ -19,6 +19,9 @@ pub fn relative_size(field: &FieldModel) -> f64 {
     field.length_m.hypot(field.width_m) / 105_f64.hypot(68.0)
 }
 
+/// Fields of less than this size relative to a soccer pitch are courts.
+const COURT_SIZE: f64 = 0.5;
+
 /// Places to try, in `world`.
 pub struct SearchPlaces {
     /// Positions, m.
@@ -64,8 +67,7 @@ impl SearchPlaces {
         /// every size alike.
         const HALF_FIELD_M: [f64; 2] = [52.5, 34.0];
         let mut positions_m = Vec::new();
-        const COURT: f64 = 0.5;
-        let farthest_m = if relative_size(field) < COURT {
+        let farthest_m = if relative_size(field) < COURT_SIZE {
             200.0
         } else {
             110.0
@@ -93,7 +95,9 @@ impl SearchPlaces {
     /// Places that are stated for a soccer pitch, around a field of another size.
     fn around(field: &FieldModel, mut positions_m: Vec<Vec3>) -> Self {
         let relative_size = relative_size(field);
-        positions_m.iter_mut().for_each(|at| *at *= relative_size);
+        for at in &mut positions_m {
+            *at *= relative_size;
+        }
         Self {
             positions_m,
             relative_size,
@@ -158,7 +162,7 @@ mod tests {
         let farthest = |of: &SearchPlaces| {
             of.positions_m
                 .iter()
-                .map(|at| at.norm())
+                .map(Vec3::norm)
                 .fold(0.0, f64::max)
         };
         assert!(farthest(&SearchPlaces::others(&tennis)) > 42.0 + 12.0);

@@ -164,6 +164,7 @@ impl Series {
     }
 
     /// Sets error bars: low and high end for each point.
+    #[must_use]
     pub fn with_bars(self, bars: Vec<[f64; 2]>) -> Self {
         Self { bars, ..self }
     }

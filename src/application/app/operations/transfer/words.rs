@@ -7,7 +7,7 @@ use touchline_documents::exchange::{ExchangeError, JoinedImport};
 
 /// Options of the command line in error messages, and their names in the dialog. Replaced in this
 /// order; of two with the same beginning the longer one must come first.
-const OPTIONS: [(&str, &str); 33] = [
+const OPTIONS: [(&str, &str); 34] = [
     (
         "give a --map file with them, or --skip-unmapped",
         "choose what labels are, or leave out others",
