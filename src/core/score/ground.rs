@@ -81,7 +81,7 @@ pub fn visible_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) ->
 }
 
 /// The outline of the part of the field that a picture shows: the largest polygon of
-/// [`visible_field`], without the points that lie within [`OUTLINE_M`] of a line between others.
+/// [`visible_field`], without the points that lie within 5 cm of a line between others.
 /// Empty if the picture shows nothing of the field.
 #[must_use]
 pub fn visible_outline(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Vec2> {
