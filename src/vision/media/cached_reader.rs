@@ -362,11 +362,16 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn the_budget_holds_whatever_happens(steps in proptest::collection::vec((0_usize..12, 0_u8..2, 1_u32..12), 0..80)) {
+        fn the_budget_holds_whatever_happens(
+            steps in proptest::collection::vec((0_usize..12, 0_u8..2, 1_u32..12), 0..80),
+        ) {
             let mut cache = FrameCache::new(1500);
             for (index, what, side) in steps {
                 match what {
-                    0 => cache.insert(numbered(index), Picture::with_colour(ImageSize::new(side, side), [0; 4])),
+                    0 => cache.insert(
+                        numbered(index),
+                        Picture::with_colour(ImageSize::new(side, side), [0; 4]),
+                    ),
                     _ => drop(cache.get(&numbered(index))),
                 }
                 let kept: usize = cache.frames.iter().map(|(_, picture)| picture.bytes()).sum();
