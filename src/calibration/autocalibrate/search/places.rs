@@ -159,12 +159,8 @@ mod tests {
             assert!((far * quarter - near).norm() < 1e-3, "{far:?} {near:?}");
             assert!((heading - same).degrees().abs() < 1e-6);
         }
-        let farthest = |of: &SearchPlaces| {
-            of.positions_m
-                .iter()
-                .map(Vec3::norm)
-                .fold(0.0, f64::max)
-        };
+        let farthest =
+            |of: &SearchPlaces| of.positions_m.iter().map(Vec3::norm).fold(0.0, f64::max);
         assert!(farthest(&SearchPlaces::others(&tennis)) > 42.0 + 12.0);
     }
 
