@@ -51,7 +51,9 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, orphan: &Orphan) {
         if merge.clicked() {
             panel.actions.push(Action::MergeOrphan(orphan.path.clone()));
         }
-        let save = ui.button("Save as a document").on_hover_text("Save the result of these edits as a separate document beside this one.");
+        let save = ui
+            .button("Save as a document")
+            .on_hover_text("Save the result of these edits as a separate document beside this one.");
         if save.clicked() {
             panel.actions.push(Action::SaveOrphan(orphan.path.clone()));
         }
@@ -78,7 +80,10 @@ pub fn show_not_saved(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
                 );
                 (format!("{edits} {message}."), does)
             }
-            Saving::Pending => ("Your last edits are still being written to disk.".to_owned(), does),
+            Saving::Pending => (
+                "Your last edits are still being written to disk.".to_owned(),
+                does,
+            ),
             Saving::Untouched | Saving::Saved { .. } => (
                 "Another program changed the document. Your version is kept beside it and is offered for merging when you open \
                  it again."

@@ -13,8 +13,8 @@ use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, Vec3};
 
 /// The size of a field relative to a soccer pitch of 105 × 68 m, by their diagonals. Lengths of
-/// the search are stated for such a pitch and multiplied by this: half as large a field looks the same
-/// from half as far away.
+/// the search are stated for such a pitch and multiplied by this: a field half as large looks the
+/// same from half as far away.
 pub fn relative_size(field: &FieldModel) -> f64 {
     field.length_m.hypot(field.width_m) / 105_f64.hypot(68.0)
 }
