@@ -85,9 +85,9 @@ pub fn visible_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) ->
 /// Empty if the picture shows nothing of the field.
 #[must_use]
 pub fn visible_outline(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<Vec2> {
-    let mut rings = visible_field(field, camera, size);
-    rings.sort_by(|a, b| area(std::slice::from_ref(b)).total_cmp(&area(std::slice::from_ref(a))));
-    let Some(mut ring) = rings.into_iter().next() else {
+    let rings = visible_field(field, camera, size).into_iter();
+    let area_of = |ring: &Ring| area(std::slice::from_ref(ring));
+    let Some(mut ring) = rings.max_by(|a, b| area_of(a).total_cmp(&area_of(b))) else {
         return Vec::new();
     };
     // Closed, and opened again at the end: the first point always stays.

@@ -61,9 +61,9 @@ pub use {
         solve_two_points,
     },
     optimiser::dense::DenseEquations,
-    optimiser::least_squares::gauss_newton_step,
+    optimiser::graduated::gauss_newton_step,
     optimiser::least_squares::{BlockEquations, Minimum, NO_VALUE_SIGMAS, Stopping, minimise},
-    optimiser::least_squares::{Linearised, Residual},
+    optimiser::residual::{Linearised, Residual},
     outcome::covariance::{
         GroundError, UNSTATED_PX, covariance_in_radians, covariance_of_four_points,
     },

@@ -8,8 +8,9 @@ use super::{Loss, Observation, PtzPrior};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, Vec3};
 use crate::solve::optimiser::least_squares::{
-    BlockEquations, NO_VALUE_SIGMAS, Problem, Residual, Stopping, minimise,
+    BlockEquations, NO_VALUE_SIGMAS, Problem, Stopping, minimise,
 };
+use crate::solve::optimiser::residual::Residual;
 
 /// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 60;

@@ -199,6 +199,12 @@ impl Default for ImportOptions {
 }
 
 impl ImportOptions {
+    /// What takes coordinates of labels to the corner convention, px: nothing where the user does
+    /// not say how they count.
+    pub(super) fn shift_to_corner_px(&self) -> f64 {
+        self.pixels.unwrap_or(Pixels::Corner).to_corner_px()
+    }
+
     /// The options for reading files: the size of the video where no other is given.
     #[must_use]
     pub(super) fn with_any_size(&self) -> Self {

@@ -20,7 +20,7 @@
 //! * `ridges`, across one line: `ridge.rs` and `floor_ridge.rs` search (geometry: `profile.rs`) on a
 //!   profile (`profile.rs`, `colours.rs`).
 //! * `camera_alignment`, with a camera: `sightings.rs` searches across all lines. `check.rs`,
-//!   `alignment.rs`, `snap.rs` and `sightings.rs` use that.
+//!   `search.rs`, `alignment.rs`, `snap.rs`, `lens.rs` and `places.rs` use that.
 //! * `markings`, without a camera: `marking_pixels` finds markings; `evidence.rs` and
 //!   `agreement.rs` compare them with many cameras for `find.rs`; `persistent.rs` combines frames.
 //! * `click_snapping`, at a click: `point.rs` with `crossing.rs`, and `spot.rs` with
@@ -52,8 +52,8 @@ pub use turf::surface::Surface;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    camera_alignment::alignment::{PaintPlace, paint_places},
     camera_alignment::check::{check_lines, overlays_apart_px},
+    camera_alignment::places::{PaintPlace, paint_places},
     click_snapping::point::snap_point,
     click_snapping::{PointSnapOptions, SnappedPoint},
     markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent},

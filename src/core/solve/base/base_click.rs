@@ -6,7 +6,7 @@ use crate::camera::{Ptz, PtzCamera};
 use crate::field::Crown;
 use crate::geometry::{Vec2, Vec3};
 use crate::solve::observations::shape::ShapeJacobian;
-use crate::solve::optimiser::least_squares::{Linearised, Residual};
+use crate::solve::optimiser::residual::{Linearised, Residual};
 use crate::solve::{Observation, ObservedShape};
 use nalgebra::SMatrix;
 

@@ -4,7 +4,7 @@ use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SLOPE, Share
 use crate::camera::CameraBase;
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use crate::solve::Loss;
-use crate::solve::optimiser::least_squares::{Linearised, Residual};
+use crate::solve::optimiser::residual::{Linearised, Residual};
 use nalgebra::{SMatrix, SVector};
 
 /// A Gaussian prior of one number.

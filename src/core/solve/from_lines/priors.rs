@@ -12,7 +12,7 @@ use crate::geometry::{Angle, ImageSize, Vec3};
 use crate::solve::Loss;
 use crate::solve::base::BasePriors;
 use crate::solve::base::parameters::{OF_BASE, Shared};
-use crate::solve::optimiser::least_squares::{Linearised, Residual};
+use crate::solve::optimiser::residual::{Linearised, Residual};
 use nalgebra::{SMatrix, SVector};
 
 /// Priors of the camera of one picture.

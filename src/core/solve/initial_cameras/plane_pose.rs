@@ -10,9 +10,8 @@
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, skew};
 use crate::geometry::{HomographyError, ImagePoint, Mat3, Vec2, Vec3, homography};
 use crate::solve::Loss;
-use crate::solve::optimiser::least_squares::{
-    BlockEquations, Linearised, Problem, Residual, Stopping, minimise,
-};
+use crate::solve::optimiser::least_squares::{BlockEquations, Problem, Stopping, minimise};
+use crate::solve::optimiser::residual::{Linearised, Residual};
 use nalgebra::{Matrix2x3, SMatrix, SVector, Vector2};
 use thiserror::Error;
 

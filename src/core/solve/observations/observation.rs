@@ -3,7 +3,7 @@
 use crate::camera::PtzCamera;
 use crate::field::{FieldElement, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
-use crate::solve::optimiser::least_squares::{Linearised, Residual};
+use crate::solve::optimiser::residual::{Linearised, Residual};
 use crate::solve::{ObservationError, ObservedShape};
 
 /// One click, ready for solving: the pixel, its 1-σ, and the landmark or line that it shows with

@@ -3,7 +3,7 @@
 use super::motion_prior::PtzRanges;
 use crate::camera::{Ptz, PtzCamera, SHARED_COLUMNS};
 use crate::geometry::{Angle, ImageSize, Mat3, Vec3};
-use crate::solve::optimiser::least_squares::{Linearised, Residual};
+use crate::solve::optimiser::residual::{Linearised, Residual};
 use crate::solve::{Loss, MotionPrior};
 use nalgebra::SMatrix;
 

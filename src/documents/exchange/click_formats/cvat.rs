@@ -12,7 +12,7 @@ use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
-use crate::exchange::options::{ImportOptions, Pixels};
+use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::table::number;
 use crate::exchange::syntax::values::{frame_number, shorten, side_px};
@@ -298,7 +298,7 @@ fn read_image(
     folders: Option<&BTreeMap<String, String>>,
     options: &ImportOptions,
 ) -> Result<LabelledFrame, Problem> {
-    let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let shift = options.shift_to_corner_px();
     let name = picture_path(attribute(image, "name")?, options)?;
     let folder = folders.and_then(|folders| folders.get(image.attribute("task_id")?));
     let name = match folder {
@@ -321,7 +321,7 @@ fn read_file(
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let xml = parse_annotations(text(bytes)?)?;
     let root = xml.root_element();
-    let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let shift = options.shift_to_corner_px();
     let folders = folders_of_tasks(root);
     let mut frames: Vec<LabelledFrame> = Vec::new();
     for image in root.children().filter(|child| child.has_tag_name("image")) {

@@ -12,7 +12,7 @@ use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, base_name};
 use crate::exchange::format::About;
 use crate::exchange::format_options::{self, FormatOption};
-use crate::exchange::options::{ImportOptions, Pixels};
+use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::{Node, parse, safe_path};
 use serde_json::{Value, json};
 use touchline_core::geometry::{ImagePoint, ImageSize};
@@ -150,7 +150,7 @@ fn read_task(
     options: &ImportOptions,
     sizes: &Sizes<'_>,
 ) -> Result<LabelledFrame, Problem> {
-    let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let shift = options.shift_to_corner_px();
     // The flat form has the image beside the points.
     let data = task.find("data").unwrap_or_else(|| task.clone());
     let image = file_name(data.key("image")?.text()?)?;

@@ -12,7 +12,7 @@ use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, folder_prefix, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
-use crate::exchange::options::{ImportOptions, Pixels};
+use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Value, json};
 use touchline_core::geometry::ImagePoint;
@@ -53,7 +53,7 @@ fn read_file(
     options: &ImportOptions,
     sizes: &Sizes<'_>,
 ) -> Result<LabelledFrame, Problem> {
-    let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let shift = options.shift_to_corner_px();
     let value = parse(bytes)?;
     let root = Node::root(&value);
     let image = format!(

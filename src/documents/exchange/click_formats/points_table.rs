@@ -11,7 +11,7 @@ use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, ending_of, stem};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
-use crate::exchange::options::{ImportOptions, Pixels};
+use crate::exchange::options::ImportOptions;
 use crate::exchange::syntax::node::{Node, parse};
 use crate::exchange::syntax::table::{Table, TableRow};
 use crate::exchange::syntax::values::side_px;
@@ -48,7 +48,7 @@ fn sigma_of(sigma_px: f64) -> Result<f64, Problem> {
 
 /// The point of a row.
 fn mark_of(row: &TableRow<'_>, options: &ImportOptions) -> Result<Mark, Problem> {
-    let shift_px = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
+    let shift_px = options.shift_to_corner_px();
     let label = row.text("label").ok_or_else(|| row.missing("label"))?;
     let at = ImagePoint::new(row.number("x")? + shift_px, row.number("y")? + shift_px);
     let mut mark = Mark::new(label.to_owned(), at);
@@ -104,11 +104,7 @@ fn read_object(
     unread: &mut UnreadLabels,
 ) -> Result<LabelledFrame, Problem> {
     let value = parse(bytes)?;
-    let shift_px = reading
-        .options
-        .pixels
-        .unwrap_or(Pixels::Corner)
-        .to_corner_px();
+    let shift_px = reading.options.shift_to_corner_px();
     let (mut marks, name) = (Vec::new(), stem(file).to_owned());
     for (label, point) in Node::root(&value).entries()? {
         let read = point.numbers::<2>().map(|[x, y]| {
@@ -171,7 +167,7 @@ mod tests {
     fn rows_of_a_frame_are_its_points() {
         let text = "frame,label,x,y\na.jpg,centre_mark,640.5,360\nb.jpg,halfway_line,1,2\na.jpg,halfway_line,3,4\n";
         let options = ImportOptions {
-            pixels: Some(Pixels::Centre),
+            pixels: Some(crate::exchange::options::Pixels::Centre),
             ..ImportOptions::default()
         };
         let frames = read_alone(&PointsTable, &files(text), &options, Some(SIZE)).unwrap();

@@ -17,7 +17,6 @@ use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options;
-use crate::exchange::options::Pixels;
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::Value;
 use touchline_core::geometry::ImagePoint;
@@ -96,12 +95,12 @@ fn read_map(
     unread: &mut UnreadLabels,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let value = parse(bytes)?;
-    let pixels = reading.options.pixels.unwrap_or(Pixels::Corner);
+    let shift_px = reading.options.shift_to_corner_px();
     let mut frames = Vec::new();
     for (name, picture) in Node::root(&value).entries()? {
         let name = picture_path(name, reading.options)?;
         let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
-        let read = marks(&picture, pixels.to_corner_px());
+        let read = marks(&picture, shift_px);
         if let Some(marks) = unread.keep(file, Some(&name), read) {
             frames.push(LabelledFrame {
                 image: Some(name.clone()),
@@ -157,7 +156,7 @@ mod tests {
             "corner_far_left": {"x": 9, "y": 10, "sigma_px": 2}}}"#;
         let files = Files::one("a.json", text.as_bytes().to_vec());
         let options = ImportOptions {
-            pixels: Some(Pixels::Centre),
+            pixels: Some(crate::exchange::options::Pixels::Centre),
             ..ImportOptions::default()
         };
         let frames = read_alone(&JsonMap, &files, &options, Some(SIZE)).unwrap();

@@ -16,7 +16,6 @@ use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
-use crate::exchange::options::Pixels;
 use crate::exchange::syntax::node::{Node, parse};
 use touchline_core::geometry::ImagePoint;
 
@@ -46,11 +45,7 @@ fn read_picture(
         None => None,
     };
     let own = (reading.sizes)(&name).or(stated);
-    let shift_px = reading
-        .options
-        .pixels
-        .unwrap_or(Pixels::Corner)
-        .to_corner_px();
+    let shift_px = reading.options.shift_to_corner_px();
     let mut marks = Vec::new();
     for prediction in root.key("predictions")?.items()? {
         let Some(points) = prediction.find("keypoints") else {

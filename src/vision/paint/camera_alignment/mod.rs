@@ -2,9 +2,12 @@
 //! passes the line check, and how it is moved until its lines lie on the paint. A small search
 //! around the camera finds the right lines first. Ridges themselves are found in `ridges`.
 
-pub mod alignment;
+mod alignment;
 pub mod check;
 mod ground_on_field;
+mod lens;
+pub mod places;
+mod search;
 mod sightings;
 pub mod snap;
 mod unexplained;

@@ -10,15 +10,16 @@
 //! 2. On bright paint the centre is measured again, as the midpoint of the two edges, because the
 //!    maximum is biased where the two sides differ in brightness (`ridges.rs`).
 //! 3. Marking pixels are joined to connected components. Short components are dropped, and on turf
-//!    so are those with the colour of lighter turf, or as bright as its light stripes.
+//!    so are those with the colour of lighter turf, or as bright as its light stripes
+//!    (`components.rs`, `stroke_colours.rs`).
 
+mod components;
 mod ridges;
+mod stroke_colours;
 
-use self::ridges::RidgePixel;
-use crate::media::Picture;
 use crate::paint::GroundPicture;
-use crate::paint::turf::ground_area::{GroundArea, parts};
-use crate::paint::turf::turf_levels::TurfExcess;
+use crate::paint::turf::ground_area::GroundArea;
+use components::long_ones;
 use ridges::ridges;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
@@ -143,198 +144,13 @@ impl Cells {
     }
 }
 
-// Connected components of marking pixels, and which of them are paint.
-//
-// One pixel says too little: its colour is noisy, and the grain of the turf can look like paint.
-// A component has a length, and its pixels together have a colour and a brightness that can be
-// tested.
-
-/// Minimum extent of a connected component, px at 1920 px width, without the pixels that dilation
-/// adds at its ends.
-const MIN_LENGTH_PX: f64 = 28.0;
-
-/// Lower limit of the minimum extent in small pictures, px. The blur has a fixed width and makes
-/// the grain of the turf into components of about this extent at any resolution.
-const GRAIN_PX: f64 = 20.0;
-
-/// A connected component of marking pixels, with sums over them.
-#[derive(Clone, Copy, Debug, Default)]
-struct Component {
-    /// Diagonal of its bounding box, px.
-    length_px: f64,
-    colours: Colours,
-    excess: TurfExcess,
-}
-
-impl Component {
-    /// Whether it is turf that is lighter than the turf beside it. Where the colours do not say,
-    /// the brightness of the turf around decides.
-    fn is_turf(&self) -> bool {
-        self.colours.are_of_brighter_turf()
-            || (!self.colours.are_whiter() && self.excess.is_light_turf())
-    }
-}
-
-/// The marking pixels of components that are long enough; on turf without components of lighter
-/// turf.
-fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<MarkingPixel> {
-    let (width, height) = (size.width as usize, size.height as usize);
-    // Dilating by one pixel joins pixels across gaps of up to two pixels. A thin or worn line
-    // breaks up into such pieces, and each alone would be too short.
-    let mut set = vec![false; width * height];
-    for ridge in ridges {
-        let (x, y) = (ridge.index % width, ridge.index / width);
-        for y in y.saturating_sub(1)..(y + 2).min(height) {
-            set[y * width + x.saturating_sub(1)..y * width + (x + 2).min(width)].fill(true);
-        }
-    }
-    // The component of each pixel, and the extent of each component: the diagonal of its bounding
-    // box, px, which for a straight line is its length. A component is never empty.
-    let mut of_part = vec![0_usize; width * height];
-    let mut components: Vec<Component> = Vec::new();
-    for part in parts(&set, width) {
-        let length = extent(part.iter().map(|index| index % width))
-            .hypot(extent(part.iter().map(|index| index / width)));
-        for index in part {
-            of_part[index] = components.len();
-        }
-        components.push(Component {
-            length_px: f64::from(length),
-            ..Component::default()
-        });
-    }
-    // Colours are summed over whole components; the colour of one pixel is too noisy to decide.
-    for ridge in ridges {
-        let component = &mut components[of_part[ridge.index]];
-        component.colours.add(&ridge.colours);
-        component.excess.add(&ridge.excess);
-    }
-    // Dilation adds one pixel at each end.
-    let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
-    let is_paint: Vec<bool> = components
-        .iter()
-        .map(|component| component.length_px > least_px && !(is_turf && component.is_turf()))
-        .collect();
-    let painted = ridges.iter().filter(|ridge| is_paint[of_part[ridge.index]]);
-    painted
-        .map(|ridge| MarkingPixel {
-            at: ridge.at,
-            normal: ridge.normal,
-            contrast_px: ridge.contrast_px,
-        })
-        .collect()
-}
-
-/// The difference of the largest and the smallest of some coordinates.
-fn extent(coordinates: impl Iterator<Item = usize>) -> f32 {
-    let (least, most) = coordinates.fold((usize::MAX, 0), |(least, most), at| {
-        (least.min(at), most.max(at))
-    });
-    (most - least) as f32
-}
-
-// The colours of a marking and of the ground beside it, which tell paint from lighter turf.
-//
-// A mowing stripe that is seen from far away is as thin as paint, and brighter than the turf
-// beside it. Its colour differs: a stripe adds the turf's own green to the ground, while paint
-// adds white or yellow.
-
-/// Sums of red, green and blue over marking pixels: on the marking, and on the ground beside it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Colours {
-    stroke: [f64; 3],
-    ground: [f64; 3],
-    /// Number of pixels.
-    pixels: f64,
-}
-
-impl Colours {
-    /// The colours at the centre of a marking and, averaged, `side_px` to both sides of it.
-    pub fn at(picture: &Picture, at: ImagePoint, normal: Vec2, side_px: f64) -> Self {
-        // Whole pixels without interpolation: the sums over a component average their noise.
-        // Outside of the picture the border pixel counts, as for the brightness.
-        let size = picture.size();
-        let (right, bottom) = (size.width.saturating_sub(1), size.height.saturating_sub(1));
-        let [stroke, one, other] = [0.0, side_px, -side_px].map(|beside_px| {
-            let at = at.translate(normal * beside_px);
-            let (column, row) = (at.x.max(0.0) as u32, at.y.max(0.0) as u32);
-            let pixel = picture.pixel(column.min(right), row.min(bottom));
-            let [red, green, blue, _] = pixel.unwrap_or_default();
-            [red, green, blue].map(f64::from)
-        });
-        Self {
-            stroke,
-            ground: [0, 1, 2].map(|channel| f64::midpoint(one[channel], other[channel])),
-            pixels: 1.0,
-        }
-    }
-
-    pub fn add(&mut self, other: &Self) {
-        for channel in 0..3 {
-            self.stroke[channel] += other.stroke[channel];
-            self.ground[channel] += other.ground[channel];
-        }
-        self.pixels += other.pixels;
-    }
-
-    /// Whether the marking is whiter than the ground, and not only brighter: it is less green.
-    ///
-    /// Paint mixes with the turf of a pixel, so that brightness and greenness change in proportion,
-    /// however thin the paint is. Strong compression keeps the brightness and loses the greenness.
-    pub fn are_whiter(&self) -> bool {
-        /// Minimum change of greenness, as a share of that by white paint.
-        const SHARE: f64 = 0.33;
-        const WHITE: f64 = 255.0;
-        let mean = |colour: [f64; 3]| colour.iter().sum::<f64>() / 3.0;
-        // The sums are over many pixels, so they are compared as shares of the ground's brightness.
-        // A pixel of the share p of white paint is brighter by p (255 − ground) and less green by p
-        // times the ground's greenness: `white` is the ratio of the two. On black ground all is NaN
-        // or infinite, and the answer is no.
-        let ground = mean(self.ground);
-        let brighter = (mean(self.stroke) - ground) / ground;
-        let less_green = (greenness(self.ground) - greenness(self.stroke)) / ground;
-        let pixels = self.pixels.max(1.0);
-        let white = greenness(self.ground) / pixels / (WHITE - ground / pixels);
-        less_green > SHARE * white * brighter
-    }
-
-    /// Whether the marking is turf that is lighter than the turf beside it, such as a mowing stripe
-    /// seen from far away.
-    ///
-    /// Compares the colour that the marking adds to the ground. Lighter turf adds the ground's own
-    /// green. White paint adds less green than red and blue, and yellow paint adds hardly any blue.
-    pub fn are_of_brighter_turf(&self) -> bool {
-        /// Minimum ratio of greenness, added colour by ground, for lighter turf. Painted lines of a
-        /// drawn match have at most 0.1, mowing stripes at least 0.44.
-        const GREEN: f64 = 0.35;
-        /// Yellow paint has at least this much more red than blue, as a share of the colour that it
-        /// adds.
-        const YELLOW: f64 = 0.35;
-        // Greenness is taken as a share of the brightness, so that the ratio of the two does not
-        // depend on how much is added.
-        let added = [0, 1, 2].map(|channel| self.stroke[channel] - self.ground[channel]);
-        let green = |colour: [f64; 3]| greenness(colour) / colour.iter().sum::<f64>();
-        let [red, _, blue] = added;
-        let all: f64 = added.iter().sum();
-        all > 0.0
-            && green(self.ground) > 0.0
-            && green(added) > GREEN * green(self.ground)
-            && (red - blue) / all < YELLOW
-    }
-}
-
-/// Green less the mean of red and blue.
-fn greenness([red, green, blue]: [f64; 3]) -> f64 {
-    green - f64::midpoint(red, blue)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::media::Picture;
     use crate::paint::drawn::{PICTURE, SIZE, soccer, truth};
     use std::collections::BTreeSet;
-    use touchline_core::geometry::{ImageSize, Vec3, median};
+    use touchline_core::geometry::{Vec3, median};
     use touchline_core::markings::{SampleOptions, sample_lines};
 
     #[test]
@@ -538,18 +354,6 @@ mod tests {
                     .is_empty(),
                 "{size:?}"
             );
-        }
-    }
-
-    #[test]
-    fn the_ground_beside_a_marking_at_the_border_is_that_of_the_border() {
-        let turf = [60, 120, 60, 255];
-        let picture = Picture::with_colour(ImageSize::new(20, 20), turf);
-        for at in [ImagePoint::new(2.5, 2.5), ImagePoint::new(17.5, 17.5)] {
-            for normal in [Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)] {
-                let colours = Colours::at(&picture, at, normal, 8.0);
-                assert_eq!(colours.ground, [60.0, 120.0, 60.0], "{at:?} {normal:?}");
-            }
         }
     }
 }

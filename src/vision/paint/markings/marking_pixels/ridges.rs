@@ -5,7 +5,7 @@
 //! of thin lines and draws their centre to the brighter side. Whether a ridge is paint is not
 //! decided here.
 
-use super::Colours;
+use super::stroke_colours::Colours;
 use crate::media::GreyPicture;
 use crate::paint::GroundPicture;
 use crate::paint::ridges::profile::Profile;
