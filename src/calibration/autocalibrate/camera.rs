@@ -10,12 +10,14 @@ use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
 use crate::autocalibrate::adjustment::joint::FirstReach;
 use crate::autocalibrate::adjustment::neighbours::try_neighbouring_distances;
 use crate::autocalibrate::adjustment::refine::SearchedCamera;
+use crate::autocalibrate::court::{CourtFrame, MAX_PICTURES, find_court_camera, is_court};
 use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::by_shot::{frames_of_fields, spread_over_shots};
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::frames::sampled_frames::{
-    MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly,
+    MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, read_pictures, sample_frames,
+    spread_evenly,
 };
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::search::clicked::GroundClick;
@@ -25,9 +27,12 @@ use crate::autocalibrate::verdict::wanted_clicks::wanted_clicks;
 use crate::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
 };
+use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
+use touchline_core::camera::PtzCamera;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
+use touchline_vision::paint::GroundPicture;
 
 /// Fewer clicks on landmarks of the ground determine no pose.
 const MIN_CLICKS: usize = 2;
@@ -131,6 +136,9 @@ impl<'a> Search<'a> {
         max_sampled: usize,
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
+        if let Some(found) = self.find_court(picture)? {
+            return Ok(AutocalibrationAnswer::Found(Box::new(found)));
+        }
         let mut sampled = Vec::new();
         match self.run_with(max_sampled, &mut sampled, picture)? {
             AutocalibrationAnswer::Abstained { why, .. }
@@ -140,6 +148,45 @@ impl<'a> Search<'a> {
             }
             answer => Ok(answer),
         }
+    }
+
+    /// The camera of a court by the lines of single pictures. None on larger fields, where these are
+    /// not decisive, and where a click contradicts them.
+    fn find_court(
+        &self,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<Option<AutocalibratedCamera>, AutocalibrationError> {
+        let field = &self.field_prior.assumed;
+        if !is_court(field) {
+            return Ok(None);
+        }
+        let SearchedCamera {
+            document, camera, ..
+        } = self.searched;
+        let chosen = spread_over_shots(document.document, &self.of_camera, MAX_PICTURES);
+        report(
+            self.progress,
+            AutocalibrationProgress::Looking {
+                done: 0,
+                of: chosen.len(),
+            },
+        )?;
+        let frames: Vec<CourtFrame> = read_pictures(&chosen, picture)
+            .iter()
+            .map(|(index, picture)| {
+                let of_size = document.document.camera(camera);
+                let stated = of_size.filter(|camera| camera.image_size == picture.size());
+                let masks = document.masks_of(&document.frames[*index]);
+                CourtFrame {
+                    index: *index,
+                    ground: GroundPicture::new(picture, &masks),
+                    principal_point: stated
+                        .map_or(picture.size().centre(), |camera| camera.principal_point),
+                }
+            })
+            .collect();
+        let found = find_court_camera(&frames, field);
+        Ok(found.filter(|found| clicks_agree(found, &self.clicks)))
     }
 
     /// The matched frames with the principal point that the document states of the camera.
@@ -327,4 +374,22 @@ impl<'a> Search<'a> {
         sampled.sort_by_key(|frame| frame.index);
         Ok(())
     }
+}
+
+/// Whether the clicks on the frames of a camera lie near their landmarks.
+fn clicks_agree(found: &AutocalibratedCamera, clicks: &[GroundClick]) -> bool {
+    /// A careless click on the right landmark, px at 1920 px width.
+    const NEAR_PX: f64 = 25.0;
+    clicks.iter().all(|click| {
+        let frame = found.frames.iter().find(|frame| frame.index == click.frame);
+        let landmark = found.field.landmark(click.landmark.as_str());
+        let Some((frame, landmark)) = frame.zip(landmark) else {
+            return true;
+        };
+        let camera = PtzCamera::new(found.base, frame.best_ptz());
+        let seen = camera.image_from_world(landmark.nominal_m);
+        // The principal point lies about in the middle of the picture.
+        let scale = found.base.principal_point.x / 960.0;
+        seen.is_ok_and(|seen| seen.distance_px(click.image) < NEAR_PX * scale)
+    })
 }

@@ -20,6 +20,7 @@
 //!
 //! | stage | file | robust against |
 //! |---|---|---|
+//! | 0. On a court: the camera by the straight lines of single pictures, which often show it whole | `court/` | cameras that do not turn; grounds of several colours |
 //! | 1. Features and marking pixels of each sampled frame | `frames/sampled_frames.rs` | – |
 //! | 2. Pairwise matches; the largest connected group; relative rotations, zoom and lens | `frames/matched_frames.rs`, [`touchline_vision::track`] | wrong matches (MAGSAC, loops of three frames), burnt-in graphics, frames of another camera |
 //! | 3. Persistent paint as directions | `frames/matched_frames.rs`, [`touchline_vision::paint::persistent_paint`] | players, shadows, boards |
@@ -69,6 +70,7 @@
 mod adjustment;
 mod answer;
 mod camera;
+mod court;
 mod doubt;
 mod error;
 mod field_prior;
@@ -81,6 +83,9 @@ mod verdict;
 
 pub use answer::{AutocalibrationAnswer, DecidingLandmark, WantedClicks};
 pub use camera::{camera_without_clicks, find_camera};
+// For the window alone: no promise to other programs.
+#[doc(hidden)]
+pub use court::is_court;
 pub use doubt::Doubt;
 pub use error::{Abstention, AutocalibrationError};
 pub use frames::sampled_frames::PictureOfFrame;

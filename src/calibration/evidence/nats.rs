@@ -50,6 +50,15 @@ impl Evidence {
         }
     }
 
+    /// How much speaks against the cameras where they have lines, as a share of what speaks for
+    /// them. A camera that is right has no line on bare ground, whatever else it explains.
+    pub fn contradicted_share(&self) -> f64 {
+        let sum = |is_counted: fn(&f64) -> bool| -> f64 {
+            self.of_lines.iter().copied().filter(is_counted).sum()
+        };
+        -sum(|nats| *nats < 0.0) / sum(|nats| *nats > 0.0)
+    }
+
     /// All of it.
     pub fn nats(&self) -> f64 {
         self.of_lines.iter().sum::<f64>() + self.unexplained

@@ -58,5 +58,6 @@ pub use {
     click_snapping::{PointSnapOptions, SnappedPoint},
     markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent},
     markings::persistent::{GroundDirections, PersistentPoint, persistent_paint},
+    markings::straight_lines::{StraightLine, straight_lines},
     ridges::ridge::LineContrast,
 };

@@ -61,7 +61,7 @@ pub fn is_same_position(one_m: Vec3, other_m: Vec3, field: &FieldModel) -> bool 
 }
 
 /// Whether half a turn about the middle of a field moves each of its lines onto a line.
-fn is_symmetric_by_half_turn(field: &FieldModel) -> bool {
+pub fn is_symmetric_by_half_turn(field: &FieldModel) -> bool {
     field
         .lines
         .iter()

@@ -8,10 +8,9 @@
 //! are then point pairs, and [`pose_from_plane`] splits them into focal length, rotation and
 //! position.
 
-use crate::camera::{BaseAngles, CameraBase, Ptz};
-use crate::geometry::rotation::{q_pan, q_tilt};
+use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, only_null_vector};
-use crate::solve::initial_cameras::plane_pose::{PlanePose, pose_from_plane};
+use crate::solve::initial_cameras::plane_pose::pose_from_plane;
 use crate::solve::observations::drawn_line::DrawnLine;
 use nalgebra::{SMatrix, SVector};
 
@@ -28,7 +27,7 @@ pub(super) fn camera_from_ground_lines(
     lines: &[DrawnLine],
     size: ImageSize,
     principal_point: ImagePoint,
-) -> Option<(CameraBase, Ptz)> {
+) -> Option<PtzCamera> {
     let ground: Vec<(Vec3, &DrawnLine)> = lines
         .iter()
         .filter_map(|line| Some((ground_line(line)?, line)))
@@ -73,7 +72,7 @@ pub(super) fn camera_from_ground_lines(
         .filter(|(ground, _)| ground.iter().all(|x| x.is_finite()))
         .collect();
     let pose = pose_from_plane(&pairs, principal_point).ok()?;
-    (pose.position_m.z > 0.0).then(|| split(&pose, principal_point))
+    (pose.position_m.z > 0.0).then(|| pose.camera(principal_point))
 }
 
 /// A pixel from the middle of the picture in halves of its width, homogeneous.
@@ -92,71 +91,4 @@ fn ground_line(line: &DrawnLine) -> Option<Vec3> {
     }
     let normal = Vec2::new(-along.y, along.x).normalize();
     Some(Vec3::new(normal.x, normal.y, -normal.dot(&from.xy())))
-}
-
-/// A pose as a base in the pan gauge with pan and tilt; its roll is the base's.
-fn split(pose: &PlanePose, principal_point: ImagePoint) -> (CameraBase, Ptz) {
-    // cam_from_world = Q_tilt Q_pan base_from_world: heading and pitch of the camera become pan and
-    // tilt, and the base is what they leave.
-    let looks = BaseAngles::from_base_from_world(&pose.cam_from_world);
-    let cam_from_base = q_tilt(looks.pitch) * q_pan(looks.heading);
-    let base = CameraBase::new(
-        pose.position_m,
-        cam_from_base.transpose() * pose.cam_from_world,
-        principal_point,
-    );
-    let ptz = Ptz {
-        pan: looks.heading,
-        tilt: looks.pitch,
-        focal_px: pose.focal_px,
-    };
-    (base, ptz)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::field::builtin;
-    use crate::solve::Observation;
-    use crate::testing::{TestBase, base_at};
-
-    const SIZE: ImageSize = ImageSize::new(960, 540);
-
-    #[test]
-    fn exact_points_on_four_lines_give_the_camera_and_parallel_ones_none() {
-        let field = builtin("soccer")
-            .unwrap()
-            .model(&std::collections::BTreeMap::new(), 0.0)
-            .unwrap();
-        let base = base_at([5.0, -70.0, 21.0], SIZE);
-        let truth = base.aim(31.0, -14.0, 1400.0);
-        let on_lines = |names: &[&str]| {
-            let mut observations = Vec::new();
-            for name in names {
-                let curve = field.line(name).unwrap().curve;
-                for share in [0.3, 0.8] {
-                    let pixel = truth.image_from_world(curve.point_at(share)).unwrap();
-                    let click = observations.len();
-                    observations
-                        .push(Observation::from_line(&field, name, pixel, SIZE, click).unwrap());
-                }
-            }
-            camera_from_ground_lines(&DrawnLine::group(&observations), SIZE, SIZE.centre())
-        };
-        let area = ["near", "far", "front"].map(|side| format!("penalty_area_right_{side}"));
-        let [near, far, front] = area.each_ref().map(String::as_str);
-        let (found, ptz) = on_lines(&[near, far, front, "goal_line_right"]).unwrap();
-        assert!(
-            (found.position_m - base.position_m).norm() < 1e-3,
-            "{found:?}"
-        );
-        assert!((ptz.focal_px - 1400.0).abs() < 0.01, "{ptz:?}");
-        assert!(
-            (ptz.pan - truth.ptz().pan).abs().degrees() < 1e-3,
-            "{ptz:?}"
-        );
-        let parallel = [near, far, "touchline_far", "goal_area_right_near"];
-        assert_eq!(on_lines(&parallel), None);
-        assert_eq!(on_lines(&[near, far, front]), None);
-    }
 }

@@ -57,7 +57,7 @@ pub(super) fn find_starts(
         focal: priors.focal(picture.image_size),
     };
     let mut starts: Vec<Start> = camera_from_ground_lines(lines, picture.image_size, centre)
-        .map(|(base, ptz)| ranking.rank(&base, ptz))
+        .map(|camera| ranking.rank(camera.base(), camera.ptz()))
         .into_iter()
         .collect();
 

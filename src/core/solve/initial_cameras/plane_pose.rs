@@ -7,7 +7,8 @@
 //! This closed form does not minimise the reprojection errors: a homography has eight degrees of
 //! freedom, such a camera seven. [`PlanePose::refine`] minimises them.
 
-use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, skew};
+use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, q_pan, q_tilt, skew};
 use crate::geometry::{HomographyError, ImagePoint, Mat3, Vec2, Vec3, homography};
 use crate::solve::Loss;
 use crate::solve::optimiser::least_squares::{BlockEquations, Problem, Stopping, minimise};
@@ -50,6 +51,25 @@ pub enum PlanePoseError {
 }
 
 impl PlanePose {
+    /// The camera with a base in the pan gauge; its roll is the base's.
+    pub fn camera(&self, principal_point: ImagePoint) -> PtzCamera {
+        // cam_from_world = Q_tilt Q_pan base_from_world: heading and pitch of the camera become pan
+        // and tilt, and the base is what they leave.
+        let looks = BaseAngles::from_base_from_world(&self.cam_from_world);
+        let cam_from_base = q_tilt(looks.pitch) * q_pan(looks.heading);
+        let base = CameraBase::new(
+            self.position_m,
+            cam_from_base.transpose() * self.cam_from_world,
+            principal_point,
+        );
+        let ptz = Ptz {
+            pan: looks.heading,
+            tilt: looks.pitch,
+            focal_px: self.focal_px,
+        };
+        PtzCamera::new(base, ptz)
+    }
+
     /// The local minimum of the squared reprojection errors (px²) of `points`, from this camera as
     /// the start.
     #[must_use]
@@ -205,7 +225,6 @@ pub fn pose_from_plane(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, PtzCamera};
     use crate::geometry::rotation::angle_between;
     use crate::testing::check_derivatives;
     use crate::testing::{TestBase, base_at};

@@ -37,7 +37,7 @@ const SHARE_OF_SMOOTH: f64 = 0.5;
 
 /// The picture with the ground as the field inside has it. Unchanged where the picture's own ground
 /// covers the field, and where no colours do.
-pub(super) fn ground_on_field<'a>(
+pub(in crate::paint) fn ground_on_field<'a>(
     ground: &'a GroundPicture,
     field: &FieldModel,
     camera: &PtzCamera,

@@ -4,7 +4,7 @@
 
 mod alignment;
 pub mod check;
-mod ground_on_field;
+pub mod ground_on_field;
 mod lens;
 pub mod places;
 mod search;

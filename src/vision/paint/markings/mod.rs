@@ -6,3 +6,4 @@ pub mod agreement;
 pub mod evidence;
 pub mod marking_pixels;
 pub mod persistent;
+pub mod straight_lines;

@@ -14,12 +14,12 @@ use crate::app::{App, Command, sentence};
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
-    AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, find_camera,
+    AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, find_camera, is_court,
 };
 use touchline_calibration::calibrate::{AutocalibratedCamera, BulkChange, FoundCamera};
 use touchline_calibration::pipelines::MatchOptions;
 use touchline_calibration::proposals::read_picture;
-use touchline_core::field::builtin;
+use touchline_core::field::{Template, builtin};
 use touchline_documents::document::{CameraId, Document, FrameId, Step, Target};
 pub use two_cameras::{DecidingClick, TwoCameras};
 pub use words::describe_found;
@@ -153,19 +153,21 @@ impl CameraSearch {
     }
 }
 
-/// Why the search does not know a camera's sport. None for soccer, for a template of the user's
-/// own, and for any sport once two landmarks are clicked, from which the search then begins.
+/// Why the search does not know a camera's sport. None for soccer, for courts, for a template of
+/// the user's own, and for any sport once two landmarks are clicked, from which the search then
+/// begins.
 fn why_no_search_of_sport(document: &Document, camera: &CameraId) -> Option<&'static str> {
     let template = &document.field_of_camera(camera).template;
-    if template == "soccer" || builtin(template).is_err() {
+    let of_rules = builtin(template).and_then(Template::default_model);
+    if template == "soccer" || of_rules.is_ok_and(|field| is_court(&field)) {
         return None;
     }
     let mut frames = document.frames.iter();
     let is_clicked =
         frames.any(|frame| frame.camera == *camera && frame.landmark_clicks() >= CLICKS_TO_BEGIN);
     (!is_clicked).then_some(
-        "Without a click only soccer fields are found. Click 2 landmarks far from each other in \
-         one frame, then look; or 4 in 3 frames.",
+        "Without a click only soccer fields and courts are found. Click 2 landmarks far from each \
+         other in one frame, then look; or 4 in 3 frames.",
     )
 }
 

@@ -11,10 +11,6 @@ use crate::paint::turf::ground_area::parts;
 use crate::paint::turf::turf_levels::TurfExcess;
 use touchline_core::geometry::ImageSize;
 
-/// Minimum extent of a connected component, px at 1920 px width, without the pixels that dilation
-/// adds at its ends.
-const MIN_LENGTH_PX: f64 = 28.0;
-
 /// Lower limit of the minimum extent in small pictures, px. The blur has a fixed width and makes
 /// the grain of the turf into components of about this extent at any resolution.
 const GRAIN_PX: f64 = 20.0;
@@ -37,11 +33,12 @@ impl Component {
     }
 }
 
-/// The marking pixels of components that are long enough; on turf without components of lighter
-/// turf.
+/// The marking pixels of components that extend at least so far, px at 1920 px width, without the
+/// pixels that dilation adds at their ends; on turf without components of lighter turf.
 pub(super) fn long_ones(
     ridges: &[RidgePixel],
     size: ImageSize,
+    min_length_px: f64,
     is_turf: bool,
 ) -> Vec<MarkingPixel> {
     let (width, height) = (size.width as usize, size.height as usize);
@@ -76,7 +73,7 @@ pub(super) fn long_ones(
         component.excess.add(&ridge.excess);
     }
     // Dilation adds one pixel at each end.
-    let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
+    let least_px = (min_length_px * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
     let is_paint: Vec<bool> = components
         .iter()
         .map(|component| component.length_px > least_px && !(is_turf && component.is_turf()))

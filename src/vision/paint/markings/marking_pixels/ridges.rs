@@ -53,7 +53,7 @@ pub(super) struct RidgePixel {
 
 /// Whether a marking is brighter or darker than the ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Tone {
+pub(super) enum Tone {
     Bright,
     Dark,
 }
@@ -68,17 +68,11 @@ impl Tone {
     }
 }
 
-/// The marking pixels of the ground area, row by row.
-pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
+/// The marking pixels of some tones on the ground area, row by row.
+pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea, tones: &[Tone]) -> Vec<RidgePixel> {
     let (width, height) = (ground.size().width as usize, ground.size().height as usize);
     let smooth = gaussian_blur(ground.grey());
-    // Paint on turf is always lighter. Lines of indoor floors may be dark.
     let is_turf = ground.surface().is_turf();
-    let tones: &[Tone] = if is_turf {
-        &[Tone::Bright]
-    } else {
-        &[Tone::Bright, Tone::Dark]
-    };
     let levels = is_turf.then(|| TurfLevels::measure(ground, area));
     // The tests of a pixel are in the order of their cost. The first, a few sums over neighbours,
     // leaves few of all pixels. The outermost pixels have no Hessian.
@@ -131,6 +125,24 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixe
         }
     }
     found
+}
+
+/// The bright ridges of a whole picture, whatever the ground is: their centres, px, and the unit
+/// vectors across them.
+pub fn bright_ridges(ground: &GroundPicture) -> Vec<(ImagePoint, Vec2)> {
+    let grey = ground.grey();
+    let (width, height) = (grey.size.width as usize, grey.size.height as usize);
+    let smooth = gaussian_blur(grey);
+    let inner = (1..height.saturating_sub(1))
+        .flat_map(|y| (1..width.saturating_sub(1)).map(move |x| (x, y)));
+    inner
+        .filter_map(|(x, y)| {
+            let (normal, beside_px) = bend(&smooth, y * width + x, width, Tone::Bright)?;
+            let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).translate(normal * beside_px);
+            contrasts(grey, at, normal, Tone::Bright)?;
+            Some((at, normal))
+        })
+        .collect()
 }
 
 /// The normal of a ridge at a pixel, and the signed distance from the pixel's centre along it to

@@ -1,0 +1,136 @@
+//! Drawn courts whose camera is known.
+
+use super::*;
+use touchline_core::field::builtin;
+use touchline_core::geometry::{Angle, Vec3};
+use touchline_core::markings::{SampleOptions, sample_lines};
+use touchline_core::testing::turned_base;
+use touchline_vision::media::Picture;
+
+const SIZE: ImageSize = ImageSize::new(960, 540);
+
+fn field(name: &str) -> FieldModel {
+    builtin(name).unwrap().default_model().unwrap()
+}
+
+/// A camera in the stand behind an end of a court, so many times as far away as one of a tennis
+/// court.
+fn camera(relative: f64, pan_deg: f64) -> PtzCamera {
+    let base = turned_base(
+        [-33.0 * relative, 0.3 * relative, 8.7 * relative],
+        [90.0, 0.0, 0.0],
+        SIZE,
+    );
+    PtzCamera::new(base, Ptz::from_degrees(pan_deg, -14.0, 1400.0))
+}
+
+/// A court of one colour in a surround of another, with its lines.
+fn draw(field: &FieldModel, camera: &PtzCamera) -> Picture {
+    const COURT: [u8; 4] = [92, 70, 140, 255];
+    const SURROUND: [u8; 4] = [60, 130, 80, 255];
+    const PAINT: [u8; 4] = [235, 236, 238, 255];
+    let pixels = (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y)));
+    let mut picture: Vec<[u8; 4]> = pixels
+        .map(|(x, y)| {
+            let at = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let ground = camera.plane_from_image(at, 0.0);
+            let is_inside =
+                |at: Vec3| at.x.abs() <= 0.5 * field.length_m && at.y.abs() <= 0.5 * field.width_m;
+            if ground.is_some_and(is_inside) {
+                COURT
+            } else {
+                SURROUND
+            }
+        })
+        .collect();
+    let options = SampleOptions {
+        spacing_px: 0.4,
+        border_px: 2.0,
+    };
+    for sample in sample_lines(field, camera, SIZE, &options) {
+        for across in [-0.8, -0.4, 0.0, 0.4, 0.8] {
+            let at = sample.image.translate(sample.normal * across);
+            picture[at.y as usize * SIZE.width as usize + at.x as usize] = PAINT;
+        }
+    }
+    Picture::new(SIZE, picture.concat()).unwrap()
+}
+
+fn frames(field: &FieldModel, cameras: &[PtzCamera]) -> Vec<CourtFrame> {
+    let frame = |(index, camera): (usize, &PtzCamera)| CourtFrame {
+        index,
+        ground: GroundPicture::new(&draw(field, camera), &[]),
+        principal_point: SIZE.centre(),
+    };
+    cameras.iter().enumerate().map(frame).collect()
+}
+
+#[test]
+fn a_still_or_turning_camera_of_a_court_is_found_whatever_the_colours() {
+    let tennis = field("tennis");
+    for pans_deg in [[0.0, 0.0, 0.0], [-2.0, 0.5, 2.5]] {
+        let cameras = pans_deg.map(|pan_deg| camera(1.0, pan_deg));
+        let found = find_court_camera(&frames(&tennis, &cameras), &tennis).unwrap();
+        let truth_m = cameras[0].base().position_m;
+        let off_m = (found.base.position_m - truth_m).norm();
+        assert!(
+            off_m < 0.02 * truth_m.norm(),
+            "{pans_deg:?}: {:?}",
+            found.base
+        );
+        assert_eq!(found.frames.len(), 3);
+    }
+}
+
+#[test]
+fn a_court_of_another_sport_is_not_taken_for_it() {
+    let pickleball = field("pickleball");
+    let pictures = frames(&pickleball, &[camera(0.55, 0.0), camera(0.55, 1.0)]);
+    assert!(find_court_camera(&pictures, &pickleball).is_some());
+    for other in ["tennis", "badminton", "volleyball", "padel"] {
+        let found = find_court_camera(&pictures, &field(other));
+        assert!(
+            found.is_none(),
+            "{other}: {:?}",
+            found.map(|found| found.base)
+        );
+    }
+}
+
+#[test]
+fn pictures_without_a_court_give_no_camera() {
+    let bare = CourtFrame {
+        index: 0,
+        ground: GroundPicture::new(&Picture::with_colour(SIZE, [90, 90, 90, 255]), &[]),
+        principal_point: SIZE.centre(),
+    };
+    assert!(find_court_camera(&[bare], &field("tennis")).is_none());
+    assert!(find_court_camera(&[], &field("tennis")).is_none());
+}
+
+#[test]
+fn a_view_is_expressed_with_the_nearer_of_two_opposite_bases() {
+    let one = camera(1.0, 3.0);
+    for other in [one, one.after_half_turn()] {
+        let view = view_from(one.base(), &other);
+        assert!(
+            (view.pan - Angle::from_degrees(3.0)).degrees().abs() < 1e-9,
+            "{view:?}"
+        );
+        assert!(
+            (view.tilt - Angle::from_degrees(-14.0)).degrees().abs() < 1e-9,
+            "{view:?}"
+        );
+    }
+}
+
+#[test]
+fn courts_are_small_fields() {
+    for (name, is_one) in [
+        ("tennis", true),
+        ("basketball_nba", true),
+        ("soccer", false),
+    ] {
+        assert_eq!(is_court(&field(name)), is_one, "{name}");
+    }
+}
