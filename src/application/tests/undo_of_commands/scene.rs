@@ -146,6 +146,11 @@ impl Scene {
         bytes(&self.window.app)
     }
 
+    /// The number of frames of the document.
+    pub fn frames(&self) -> usize {
+        self.window.app.open().unwrap().document.frames.len()
+    }
+
     /// The number of steps that can be undone.
     pub fn steps(&self) -> usize {
         self.window.app.open().unwrap().history.num_done()
