@@ -1,6 +1,6 @@
 //! What painted lines mean for the acceptance of a frame: where they contradict its camera a person
-//! has to confirm it. A frame that was accepted before it was checked is named once it has been, and
-//! the check of an accepted frame is written into its solution.
+//! has to confirm it. A frame that was accepted before it was checked is named once it has been,
+//! and the check of an accepted frame is written into its solution.
 
 use crate::app::App;
 use crate::app::window_state::session::Level;
