@@ -5,9 +5,10 @@
 mod acceptance;
 mod batch;
 mod checks;
+mod offsets;
 
-pub use batch::{BESIDE_PX, LineOffset};
 pub(in crate::app) use checks::LineChecks;
+pub use offsets::{BESIDE_PX, LineOffset};
 
 use crate::app::App;
 use batch::LineCheckBatch;
