@@ -22,7 +22,7 @@ VIDEO_PACKAGES = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats python check schema dist dist-test opencv bench no-click reliability season-test fuzz demo film pictures laboratory experiments experiments-real build-packages run-packages
+.PHONY: help run test test-cli test-formats python check schema dist dist-test opencv bench no-click reliability season-test fuzz demo film pictures laboratory experiments experiments-real build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -41,6 +41,9 @@ run: run-packages $(if $(OPENCV_CONFIG),opencv) ## build and open the demo match
 
 test: run-packages ## run every test; those that miss a part of the machine are ignored and say why
 	@.ci/test
+
+test-cli: run-packages ## the tests of the command line without window and OpenCV (nightly; macOS and Windows run them on each change)
+	@.ci/test -p touchline -p touchline-calibration --no-default-features --features touchline/cli --test suite --test calibration
 
 test-formats: build-packages ## exports read by each consumer's own reader, each in a Python environment of its own
 	@.ci/formats

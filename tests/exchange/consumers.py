@@ -39,9 +39,19 @@ def install(environment, packages, *options):
 
 
 def make(environment, packages):
+    """Makes an environment, unless one with these packages was made completely before."""
+    with open(os.path.join(HERE, "requirements.txt"), encoding="utf-8") as pins:
+        wanted = f"{sys.version}\n{COMMON + packages}\n{pins.read()}"
+    made = os.path.join(environment, "made")
+    if os.path.exists(made):
+        with open(made, encoding="utf-8") as text:
+            if text.read() == wanted:
+                return
     venv.create(environment, with_pip=True)
     install(environment, COMMON + [package for package in packages if package not in WITHOUT_DEPENDENCIES])
     install(environment, [package for package in packages if package in WITHOUT_DEPENDENCIES], "--no-deps")
+    with open(made, "w", encoding="utf-8") as text:
+        text.write(wanted)
 
 
 def main():

@@ -7,7 +7,7 @@ mod growth;
 mod plan;
 mod source_map;
 
-use counters::{Counters, worst};
+use counters::{Counted, Counters, worst};
 use growth::{Source, Static, fields_of, long_enums, unlisted_statics, widely_named};
 use plan::{Fence, Pair, Plan, broken_fences, circles};
 use source_map::SourceMap;
@@ -137,6 +137,10 @@ const MOST_LONG_LINES: usize = 610;
 const MOST_PARTICIPLES: usize = 0;
 const MOST_DIALECT: usize = 324;
 
+/// A figure that may not grow: what it counts, its value, the most that is allowed, and its count in
+/// one file.
+type Limit = (&'static str, usize, usize, fn(&Counters) -> usize);
+
 /// Files of Rust in one folder, at most: more are sorted into rooms that each hold one idea.
 const MOST_FILES_IN_A_FOLDER: usize = 25;
 
@@ -249,48 +253,60 @@ fn actions_effects_and_the_session_stay_short() {
 
 #[test]
 fn the_sources_stay_as_legible_as_they_are() {
-    let all = sources(&CRATES);
-    let library = sources(&["src/core", "src/vision", "src/documents", "src/calibration"]);
-    let [whole, rooms] = [&all, &library].map(|sources| Counters::count(sources));
+    // Each file is counted once: that takes as long as reading all of them.
+    let files: Vec<Counted> = sources(&CRATES)
+        .iter()
+        .map(|source| (source.0.clone(), Counters::of_file(source)))
+        .collect();
+    let is_library = |path: &Path| {
+        ["src/core", "src/vision", "src/documents", "src/calibration"]
+            .iter()
+            .any(|folder| path.starts_with(folder))
+    };
+    let whole: Counters = files.iter().map(|(_, counters)| counters).sum();
+    let rooms: Counters = files
+        .iter()
+        .filter(|(path, _)| is_library(path))
+        .map(|(_, counters)| counters)
+        .sum();
     println!("The library: {rooms}.\nThe whole: {whole}.");
+    let comments = rooms.code_lines_per_comment();
     let mut worse = Vec::new();
-    let mut check = |what: &str, now: usize, most: usize, files: String| {
+    if comments > MOST_CODE_LINES_PER_COMMENT {
+        worse.push(format!(
+            "{comments} lines of code a comment in the library, not {MOST_CODE_LINES_PER_COMMENT}"
+        ));
+    }
+    let closures = whole.closures_per_10_000_lines();
+    let limits: [Limit; 5] = [
+        (
+            "named closures in 10,000 lines",
+            closures,
+            MOST_CLOSURES_PER_10_000_LINES,
+            |file| file.named_closures,
+        ),
+        ("short files", whole.short_files, MOST_SHORT_FILES, |file| {
+            file.short_files
+        }),
+        ("long lines", whole.long_lines, MOST_LONG_LINES, |file| {
+            file.long_lines
+        }),
+        (
+            "functions named by a bare participle",
+            whole.participles,
+            MOST_PARTICIPLES,
+            |file| file.participles,
+        ),
+        ("words of dialect", whole.dialect, MOST_DIALECT, |file| {
+            file.dialect
+        }),
+    ];
+    for (what, now, most, count) in limits {
         if now > most {
+            let files = worst(&files, count, 5);
             worse.push(format!("{now} {what}, not {most}; most are in\n{files}"));
         }
-    };
-    let comments = rooms.code_lines_per_comment();
-    check(
-        "lines of code a comment in the library",
-        comments,
-        MOST_CODE_LINES_PER_COMMENT,
-        String::new(),
-    );
-    let closures = whole.closures_per_10_000_lines();
-    let of_closures = worst(&all, |counters| counters.named_closures, 5);
-    check(
-        "named closures in 10,000 lines",
-        closures,
-        MOST_CLOSURES_PER_10_000_LINES,
-        of_closures,
-    );
-    let of_short = worst(&all, |counters| counters.short_files, 5);
-    check("short files", whole.short_files, MOST_SHORT_FILES, of_short);
-    let of_long = worst(&all, |counters| counters.long_lines, 5);
-    check("long lines", whole.long_lines, MOST_LONG_LINES, of_long);
-    let of_participles = worst(&all, |counters| counters.participles, 5);
-    check(
-        "functions named by a bare participle",
-        whole.participles,
-        MOST_PARTICIPLES,
-        of_participles,
-    );
-    check(
-        "words of dialect",
-        whole.dialect,
-        MOST_DIALECT,
-        worst(&all, |counters| counters.dialect, 5),
-    );
+    }
     assert_none(&worse);
 }
 

@@ -1,7 +1,7 @@
 //! A camera that lies beside its paint is named with the line, and one that lies on it is not.
 #![cfg(feature = "opencv")]
 
-use crate::undo_of_commands::documents::turned;
+use crate::undo_of_commands::documents::all_turned;
 use crate::undo_of_commands::scene::Scene;
 use touchline_core::geometry::Angle;
 
@@ -9,7 +9,7 @@ use touchline_core::geometry::Angle;
 /// how many are said to lie beside their paint. Only frames that are off by at least `least_px` at
 /// 1920 px width count.
 fn accused(turned_deg: f64, least_px: f64) -> [usize; 2] {
-    let mut scene = Scene::open(&turned(turned_deg), false);
+    let mut scene = Scene::open(&all_turned(turned_deg), false);
     let frames = scene.window.app.open().unwrap().document.frames.len();
     scene.wait_until("the line checks", |app| {
         (0..frames).all(|frame| app.own_paint_says(frame).is_some())

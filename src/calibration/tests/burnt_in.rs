@@ -537,12 +537,13 @@ mod videos {
 
     #[test]
     fn a_camera_that_stands_nearly_still_tells_nothing() {
-        for (turn_deg, focal_px) in [
-            ([1.0, 0.0], 425.0),
-            ([0.0, 1.0], 500.0),
-            ([2.0, 0.3], 500.0),
+        // Drawing takes the time: without a graphic only where the camera moves least.
+        for (turn_deg, focal_px, graphics) in [
+            ([1.0, 0.0], 425.0, &[Graphics::NONE, BUG][..]),
+            ([0.0, 1.0], 500.0, &[BUG]),
+            ([2.0, 0.3], 500.0, &[BUG]),
         ] {
-            for graphics in [Graphics::NONE, BUG] {
+            for &graphics in graphics {
                 let mut video = DrawnVideo::new(1, Preset::Paper, graphics);
                 video.turn_slowly(30, turn_deg, focal_px);
                 for found in video.find_masks() {

@@ -3,6 +3,7 @@
 //! opened from here, too. What a panel shows is written in the panel's own file.
 
 mod files;
+mod focus;
 mod input_queue;
 mod key_stroke;
 pub mod keys;

@@ -5,7 +5,8 @@
 use super::growth::Source;
 use std::collections::BTreeSet;
 use std::fmt;
-use std::path::Path;
+use std::iter::Sum;
+use std::path::{Path, PathBuf};
 
 /// The counts of some sources. Tests within them are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,15 +76,17 @@ const PREPOSITIONS: [&str; 24] = [
 ];
 const NO_PARTICIPLES: [&str; 6] = ["need", "feed", "seed", "embed", "shed", "speed"];
 
+/// A file below the workspace's folder, and its counts.
+pub type Counted = (PathBuf, Counters);
+
 impl Counters {
-    pub fn count(sources: &[Source]) -> Self {
+    /// The counts of one file.
+    pub fn of_file((path, text): &Source) -> Self {
         let mut counters = Self {
-            files: sources.len(),
+            files: 1,
             ..Self::default()
         };
-        for (path, text) in sources {
-            counters.add_file(path, text);
-        }
+        counters.add_file(path, text);
         counters
     }
 
@@ -137,6 +140,21 @@ impl Counters {
             } else {
                 self.code_lines
             }
+    }
+}
+
+impl<'a> Sum<&'a Self> for Counters {
+    fn sum<I: Iterator<Item = &'a Self>>(counters: I) -> Self {
+        counters.fold(Self::default(), |sum, more| Self {
+            files: sum.files + more.files,
+            code_lines: sum.code_lines + more.code_lines,
+            comment_lines: sum.comment_lines + more.comment_lines,
+            named_closures: sum.named_closures + more.named_closures,
+            short_files: sum.short_files + more.short_files,
+            long_lines: sum.long_lines + more.long_lines,
+            participles: sum.participles + more.participles,
+            dialect: sum.dialect + more.dialect,
+        })
     }
 }
 
@@ -217,13 +235,10 @@ fn words(line: &str) -> impl Iterator<Item = String> {
 }
 
 /// The files that hold most of what is counted by `count`, the worst first.
-pub fn worst(sources: &[Source], count: impl Fn(&Counters) -> usize, most: usize) -> String {
-    let counted = sources.iter().map(|source| {
-        (
-            count(&Counters::count(std::slice::from_ref(source))),
-            source.0.display().to_string(),
-        )
-    });
+pub fn worst(files: &[Counted], count: fn(&Counters) -> usize, most: usize) -> String {
+    let counted = files
+        .iter()
+        .map(|(path, counters)| (count(counters), path.display().to_string()));
     let by_count: BTreeSet<(usize, String)> = counted.collect();
     let lines = by_count
         .iter()
@@ -241,7 +256,7 @@ mod tests {
     fn each_counter_counts_what_it_says() {
         let text = "//! A room.\n\nfn judged() {\n    // Why.\n    let near = |x: f64| x < 1.0;\n    let far = 3; // so\n}\n\
                     \npub(crate) const fn seed_of(rig: TiedFrames) {}\n\nfn found_camera() {}\n\n#[cfg(test)]\nmod tests {\n    fn found() {}\n}\n";
-        let counters = Counters::count(&[("a.rs".into(), text.to_owned())]);
+        let counters = Counters::of_file(&("a.rs".into(), text.to_owned()));
         let expected = Counters {
             files: 1,
             code_lines: 6,
@@ -254,5 +269,8 @@ mod tests {
             dialect: 3,
         };
         assert_eq!(counters, expected);
+        let twice: Counters = [counters, counters].iter().sum();
+        assert_eq!(format!("{twice}").split(' ').next(), Some("2"));
+        assert_eq!((twice.code_lines, twice.dialect), (12, 6));
     }
 }

@@ -45,8 +45,13 @@ pub fn widely_named(folder: &Path, sources: &[Source], most: usize) -> Vec<Strin
     let state = list
         .map(|(_, text)| fields_of(text, "Operations"))
         .unwrap_or_default();
+    // Each file is read once: every operation is looked for in all of them.
+    let named: Vec<(&Path, Vec<String>)> = sources
+        .iter()
+        .map(|(path, text)| (path.as_path(), words(text)))
+        .collect();
     let mut operations: BTreeMap<String, Operation> = BTreeMap::new();
-    for (path, text) in sources {
+    for (path, words) in &named {
         let Some(module) = path
             .strip_prefix(folder)
             .ok()
@@ -57,7 +62,6 @@ pub fn widely_named(folder: &Path, sources: &[Source], most: usize) -> Vec<Strin
         };
         let operation = operations.entry(module.clone()).or_default();
         operation.module = module;
-        let words = words(text);
         for three in words
             .windows(3)
             .filter(|three| three[0] == "Operation" && three[1] == "for")
@@ -75,9 +79,9 @@ pub fn widely_named(folder: &Path, sources: &[Source], most: usize) -> Vec<Strin
     }
     let mut wide = Vec::new();
     for operation in operations.values() {
-        let places: BTreeSet<PathBuf> = sources
+        let places: BTreeSet<PathBuf> = named
             .iter()
-            .filter(|(_, text)| operation.is_named_in(&words(text)))
+            .filter(|(_, words)| operation.is_named_in(words))
             .map(|(path, _)| folder_of_name(path, &operation.module))
             .collect();
         if places.len() > most {

@@ -70,6 +70,21 @@ impl Job {
         self.operation.downcast_ref()
     }
 
+    /// Does the work of an `O` on the calling thread. For tests, which report one result in several
+    /// situations.
+    #[cfg(feature = "testing")]
+    pub fn output<O: Operation>(
+        &self,
+        decoders: &dyn Decoders,
+    ) -> Option<Result<O::Output, O::Error>> {
+        let context = Context {
+            decoders,
+            cancellation: &self.cancellation,
+            send: &|_| (),
+        };
+        Some(self.operation::<O>()?.run(&context))
+    }
+
     /// Whether the application has dropped the request.
     pub fn is_cancelled(&self) -> bool {
         self.cancellation.is_cancelled()

@@ -31,6 +31,7 @@ pub struct BaseRefinement {
 }
 
 /// A base that was refined on a clip.
+#[derive(Clone)]
 pub struct RefinedBase {
     /// The document with the refined base.
     found: Document,

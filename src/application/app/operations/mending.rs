@@ -26,6 +26,7 @@ pub struct Mending {
 }
 
 /// The mended document, and what became of each camera.
+#[derive(Clone)]
 pub struct MendedDocument {
     document: Document,
     mended: Mended,

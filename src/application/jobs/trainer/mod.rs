@@ -32,6 +32,7 @@
 
 mod answer_cache;
 mod backend;
+mod given_answers;
 mod mailbox;
 #[cfg(test)]
 mod tests;

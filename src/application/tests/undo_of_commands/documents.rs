@@ -1,5 +1,6 @@
 //! The documents on which the commands are done: the demo match, with its pictures.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{ImageSize, Vec3};
@@ -24,9 +25,24 @@ fn read(name: &str) -> Document {
     document
 }
 
+/// The frames of the demo match that commands are done on: four references, whose clicks give a
+/// base, and six frames that nobody has looked at. Every window looks at every picture.
+const FRAMES: Range<usize> = 9..19;
+
 /// References with their clicks, and frames that nobody has looked at.
 pub fn demo() -> Document {
-    read("project.json")
+    only(FRAMES, read("project.json"))
+}
+
+fn only(frames: Range<usize>, mut document: Document) -> Document {
+    document.frames = document
+        .frames
+        .iter()
+        .take(frames.end)
+        .skip(frames.start)
+        .cloned()
+        .collect();
+    document
 }
 
 /// The same before anything is accepted.
@@ -53,22 +69,42 @@ pub fn pointed() -> Document {
 
 /// Every frame has a camera, turned by some degrees, as a draft.
 pub fn turned(turned_deg: f64) -> Document {
-    with_cameras(turned_deg, FrameStatus::Draft, SolutionSource::Manual)
+    with_cameras(
+        FRAMES,
+        turned_deg,
+        FrameStatus::Draft,
+        SolutionSource::Manual,
+    )
+}
+
+/// The same with every frame of the demo match.
+pub fn all_turned(turned_deg: f64) -> Document {
+    with_cameras(
+        0..usize::MAX,
+        turned_deg,
+        FrameStatus::Draft,
+        SolutionSource::Manual,
+    )
 }
 
 /// Every frame has a camera that is suggested.
 pub fn suggested() -> Document {
-    with_cameras(0.0, FrameStatus::Suggested, SolutionSource::Forest)
+    with_cameras(FRAMES, 0.0, FrameStatus::Suggested, SolutionSource::Forest)
 }
 
 /// Every frame has the camera of another program, a little off.
 pub fn imported() -> Document {
-    with_cameras(0.2, FrameStatus::Suggested, SolutionSource::Import)
+    with_cameras(FRAMES, 0.2, FrameStatus::Suggested, SolutionSource::Import)
 }
 
-fn with_cameras(turned_deg: f64, status: FrameStatus, source: SolutionSource) -> Document {
-    let mut document = demo();
-    let truth = read("truth.json");
+fn with_cameras(
+    frames: Range<usize>,
+    turned_deg: f64,
+    status: FrameStatus,
+    source: SolutionSource,
+) -> Document {
+    let mut document = only(frames.clone(), read("project.json"));
+    let truth = only(frames, read("truth.json"));
     for (frame, truth) in document.frames.iter_mut().zip(&truth.frames) {
         let ptz = truth.ptz.as_ref().unwrap().ptz();
         let ptz = Ptz::from_degrees(

@@ -1,9 +1,11 @@
 //! What a person does while work goes on in the background stays when its result comes.
 
 use super::documents::{demo, displaced, imported, turned, unseen, video};
-use super::scene::Scene;
+use super::scene::{Known, Scene};
 use crate::find_camera_in_app::{found_camera, unknown};
-use touchline_application::app::operations::{CameraSearch, FoundShots, ShotSearch};
+use touchline_application::app::operations::{
+    BaseRefinement, CameraSearch, ClipTracking, FoundShots, FrameSnap, Mending, ShotSearch,
+};
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{
     Action, CameraChoice, Command, EditAction, Navigation, PointerAction,
@@ -14,43 +16,44 @@ use touchline_core::geometry::ImagePoint;
 use touchline_core::testing::pixel_box;
 use touchline_documents::document::{Camera, Document, Frame, RejectReason, ShotKind};
 
-/// Work that changes the document: the document, the command, and its result.
+/// Work that changes the document: the document, the command, and its result, which is the same
+/// whatever a person edits meanwhile.
 struct Work {
     command: Command,
     document: fn() -> Document,
-    end: fn(&mut Scene),
+    end: fn(&mut Scene, &mut Known),
 }
 
 const WORK: [Work; 7] = [
     Work {
         command: Command::Track,
-        document: demo,
-        end: Scene::run_last,
+        document: || few(demo()),
+        end: Scene::end::<ClipTracking>,
     },
     Work {
         command: Command::RefineBaseOnShot,
-        document: displaced,
-        end: Scene::run_last,
+        document: || few(displaced()),
+        end: Scene::end::<BaseRefinement>,
     },
     Work {
         command: Command::MendCameras,
         document: || few(imported()),
-        end: Scene::run_last,
+        end: Scene::end::<Mending>,
     },
     Work {
         command: Command::Snap,
         document: || few(turned(0.3)),
-        end: Scene::run_last,
+        end: Scene::end::<FrameSnap>,
     },
     Work {
         command: Command::SearchLines,
         document: || few(unseen()),
-        end: Scene::run_last,
+        end: Scene::end::<FrameSnap>,
     },
     Work {
         command: Command::FindCamera,
         document: || unknown(5),
-        end: |scene| {
+        end: |scene, _| {
             let found = found_camera(5, 0.0).into();
             scene.report::<CameraSearch>(AutocalibrationAnswer::Found(found));
         },
@@ -58,14 +61,14 @@ const WORK: [Work; 7] = [
     Work {
         command: Command::FindShots,
         document: video,
-        end: |scene| {
+        end: |scene, _| {
             let cuts = vec![(5, ShotKind::Cut), (15, ShotKind::Cut)];
             scene.report::<ShotSearch>(FoundShots { last: 29, cuts });
         },
     },
 ];
 
-/// The first frames of a document: each piece of work is done once for each edit.
+/// The first frames of a document.
 fn few(mut document: Document) -> Document {
     while document.frames.len() > 6 {
         document.frames.pop();
@@ -169,10 +172,11 @@ fn an_edit_made_while_work_goes_on_stays() {
     let mut failed = Vec::new();
     for work in WORK {
         // A frame that the result changes, if nobody does anything.
+        let mut known = None;
         let mut scene = Scene::open(&(work.document)(), true);
         let before = scene.document();
         scene.command(work.command);
-        (work.end)(&mut scene);
+        (work.end)(&mut scene, &mut known);
         let after = scene.document();
         let changed = after.frames.differences(&before.frames);
         let Some(&at) = changed.last() else {
@@ -188,7 +192,7 @@ fn an_edit_made_while_work_goes_on_stays() {
             scene.command(work.command);
             edit.make(&mut scene, at);
             let kept = edit.kept(&scene.document(), at);
-            (work.end)(&mut scene);
+            (work.end)(&mut scene, &mut known);
             let now = edit.kept(&scene.document(), at);
             if now != kept {
                 failed.push(format!(

@@ -2,10 +2,10 @@
 
 use crate::headless::Headless;
 use crate::kept_edits::copy_files;
+use std::any::Any;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use touchline_application::app::operation::{Job, Operation, Report};
-use touchline_application::app::operations::{BaseRefinement, ClipTracking, FrameSnap, Mending};
 use touchline_application::app::session::Saving;
 use touchline_application::app::{
     Action, App, Command, EditAction, Effect, Navigation, PointerAction,
@@ -20,13 +20,8 @@ pub fn bytes(app: &App) -> String {
     document_to_string(&without_counts(&app.open().unwrap().document)).unwrap()
 }
 
-/// The names of the work that changes the document.
-const IS_WORK: [&str; 4] = [
-    ClipTracking::NAME,
-    BaseRefinement::NAME,
-    Mending::NAME,
-    FrameSnap::NAME,
-];
+/// The result of a piece of work, once it is known.
+pub type Known = Option<Box<dyn Any>>;
 
 pub struct Scene {
     pub folder: TempDir,
@@ -97,14 +92,17 @@ impl Scene {
         self.act(Action::Report(report));
     }
 
-    /// Does the work that was started last, and takes its result.
-    pub fn run_last(&mut self) {
-        while let Some(job) = self.jobs.pop() {
-            if !job.is_cancelled() && IS_WORK.contains(&job.name()) {
-                let report = job.run(&SharedPictures::none(), &|_| ());
-                return self.act(Action::Report(report));
-            }
-        }
+    /// The work that was started last has ended; it is done if its result is not known from another
+    /// scene in which the same was started.
+    pub fn end<O: Operation<Output: Clone>>(&mut self, known: &mut Known) {
+        let output = known.get_or_insert_with(|| {
+            let mut jobs = self.jobs.iter().rev();
+            let job = jobs.find(|job| job.name() == O::NAME).unwrap();
+            let output = job.output::<O>(&SharedPictures::none()).unwrap();
+            Box::new(output.map_err(|error| error.to_string()).unwrap())
+        });
+        let output: &O::Output = output.downcast_ref().unwrap();
+        self.report::<O>(output.clone());
     }
 
     pub fn wait_until(&mut self, what: &str, holds: impl Fn(&App) -> bool) {
@@ -144,6 +142,11 @@ impl Scene {
 
     pub fn bytes(&self) -> String {
         bytes(&self.window.app)
+    }
+
+    /// The number of frames of the document.
+    pub fn frames(&self) -> usize {
+        self.window.app.open().unwrap().document.frames.len()
     }
 
     /// The number of steps that can be undone.

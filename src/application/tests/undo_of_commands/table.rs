@@ -37,7 +37,8 @@ pub enum Plan {
 pub struct Change {
     /// The document on which it is done.
     pub document: fn() -> Document,
-    /// Whether slow work is held back, so that the test gives its result.
+    /// Whether work in the background is held back: no command waits for it, or the test gives its
+    /// result.
     pub holds: bool,
     /// What is done before it.
     pub prepare: fn(&mut Scene),
@@ -48,17 +49,17 @@ pub struct Change {
 fn change(document: fn() -> Document, prepare: fn(&mut Scene), make: fn(&mut Scene)) -> Plan {
     Plan::Changes(Change {
         document,
-        holds: false,
+        holds: true,
         prepare,
         make,
     })
 }
 
-/// The same for a command of which the test gives the result of the work.
-fn given(document: fn() -> Document, prepare: fn(&mut Scene), make: fn(&mut Scene)) -> Plan {
+/// The same for a command that waits for work in the background, which takes its time.
+fn works(document: fn() -> Document, prepare: fn(&mut Scene), make: fn(&mut Scene)) -> Plan {
     Plan::Changes(Change {
         document,
-        holds: true,
+        holds: false,
         prepare,
         make,
     })
@@ -208,11 +209,12 @@ pub fn plan(command: Command) -> Plan {
             scene.command(C::AcceptAllAbove);
             scene.edit(EditAction::AcceptAll);
         }),
-        C::AcceptStretch => change(
+        C::AcceptStretch => works(
             in_one_shot,
             |scene| {
+                let frames = 0..scene.frames();
                 scene.wait_until("the line checks", |app| {
-                    (0..27).all(|frame| app.paint_says(frame).is_some())
+                    frames.clone().all(|frame| app.paint_says(frame).is_some())
                 });
                 scene.command(C::SelectShot);
             },
@@ -251,39 +253,39 @@ pub fn plan(command: Command) -> Plan {
         C::UseOwnNoise => change(clicked_again, nothing, |scene| scene.command(C::UseOwnNoise)),
         C::UseUsualNoise => change(with_own_noise, nothing, |scene| scene.command(C::UseUsualNoise)),
         // Suggestions.
-        C::Snap => change(|| turned(0.3), nothing, |scene| {
+        C::Snap => works(|| turned(0.3), nothing, |scene| {
             scene.command(C::Snap);
             scene.wait_for_work();
         }),
-        C::SearchLines => change(unseen, nothing, |scene| {
+        C::SearchLines => works(unseen, nothing, |scene| {
             scene.command(C::SearchLines);
             scene.wait_for_work();
         }),
-        C::Track => change(demo, nothing, track),
-        C::DiscardTracked => change(demo, track, |scene| scene.command(C::DiscardTracked)),
+        C::Track => works(demo, nothing, track),
+        C::DiscardTracked => works(demo, track, |scene| scene.command(C::DiscardTracked)),
         C::DiscardBatch => change(suggested, nothing, |scene| scene.command(C::DiscardBatch)),
         C::RemoveModelPoints => {
             change(pointed, nothing, |scene| scene.command(C::RemoveModelPoints))
         }
-        C::RefineBaseOnShot => change(displaced, nothing, |scene| {
+        C::RefineBaseOnShot => works(displaced, nothing, |scene| {
             scene.command(C::RefineBaseOnShot);
             scene.wait_for_work();
         }),
-        C::MendCameras => change(imported, nothing, |scene| {
+        C::MendCameras => works(imported, nothing, |scene| {
             scene.command(C::MendCameras);
             scene.wait_for_work();
         }),
         C::SwitchRoot | C::TakeLength => Plan::NotGiven,
         // Cameras and field.
-        C::FindCamera => given(of_five, nothing, |scene| {
+        C::FindCamera => change(of_five, nothing, |scene| {
             scene.command(C::FindCamera);
             let found = found_camera(5, 0.0).into();
             scene.report::<CameraSearch>(AutocalibrationAnswer::Found(found));
         }),
-        C::TryFirstCamera => given(of_five, find_two, |scene| scene.command(C::TryFirstCamera)),
-        C::TryOtherCamera => given(of_five, find_two, |scene| scene.command(C::TryOtherCamera)),
-        C::UseEstimatedBase => change(displaced, estimate, |scene| scene.command(C::UseEstimatedBase)),
-        C::LoadCamera => change(blank, nothing, |scene| {
+        C::TryFirstCamera => change(of_five, find_two, |scene| scene.command(C::TryFirstCamera)),
+        C::TryOtherCamera => change(of_five, find_two, |scene| scene.command(C::TryOtherCamera)),
+        C::UseEstimatedBase => works(displaced, estimate, |scene| scene.command(C::UseEstimatedBase)),
+        C::LoadCamera => works(blank, nothing, |scene| {
             scene.command(C::LoadCamera);
             answer(scene, Question::CameraFrom, &demo());
             scene.wait_until("the camera", |app| {
@@ -297,22 +299,22 @@ pub fn plan(command: Command) -> Plan {
                 camera: CameraChoice::New("side".into()),
             });
         }),
-        C::NewCameraFromChange => change(
+        C::NewCameraFromChange => works(
             bumped,
             |scene| {
                 scene.wait_until("the change", |app| app.camera_change().is_some());
             },
             |scene| scene.command(C::NewCameraFromChange),
         ),
-        C::KeepBurntIn => given(video, find_burnt_in, |scene| scene.command(C::KeepBurntIn)),
-        C::ChangeBurntIn => given(video, find_burnt_in, |scene| scene.command(C::ChangeBurntIn)),
+        C::KeepBurntIn => change(video, find_burnt_in, |scene| scene.command(C::KeepBurntIn)),
+        C::ChangeBurntIn => change(video, find_burnt_in, |scene| scene.command(C::ChangeBurntIn)),
         C::ConfirmFieldSize => change(demo, nothing, |scene| scene.command(C::ConfirmFieldSize)),
         C::ChooseSport => change(blank, nothing, |scene| {
             scene.command(C::ChooseSport);
             scene.edit(EditAction::ChooseSport("futsal".to_owned()));
         }),
         // Shots.
-        C::FindShots => given(video, nothing, |scene| {
+        C::FindShots => change(video, nothing, |scene| {
             scene.command(C::FindShots);
             let cuts = vec![(5, ShotKind::Cut), (15, ShotKind::Cut)];
             scene.report::<ShotSearch>(FoundShots { last: 29, cuts });
@@ -321,14 +323,14 @@ pub fn plan(command: Command) -> Plan {
         C::MoveCutHere => change(video, |scene| go_to(scene, 12), |scene| scene.command(C::MoveCutHere)),
         C::RemoveCut => change(video, |scene| go_to(scene, 12), |scene| scene.command(C::RemoveCut)),
         // Files.
-        C::Import => change(blank, nothing, |scene| {
+        C::Import => works(blank, nothing, |scene| {
             scene.command(C::Import);
             scene.act(Action::Transfer(TransferAction::ImportFormat(Format::Json)));
             answer(scene, Question::ImportFrom(Format::Json), &imported());
             scene.wait_until("looking", |app| app.operations.transfer.found.is_some());
             scene.act(Action::Transfer(TransferAction::TakeOver));
         }),
-        C::AddNewImages => change(
+        C::AddNewImages => works(
             without_last,
             |scene| {
                 scene.wait_until("the folder", |app| {

@@ -44,6 +44,7 @@ pub(super) enum Cause {
 }
 
 /// The tracked cameras.
+#[derive(Clone)]
 pub struct TrackingOutcome {
     pub(super) tracked: TrackedClip,
     /// Points and paint found in the pictures, for use after a correction.

@@ -2,7 +2,8 @@
 //! and the field with which they were made.
 
 use super::LineCheckSummary;
-use super::batch::{BESIDE_PX, CheckedLines, FrameToCheck, LineCheckBatch, LineOffset};
+use super::batch::{CheckedLines, FrameToCheck, LineCheckBatch};
+use super::offsets::{BESIDE_PX, LineOffset};
 use crate::app::OpenProject;
 use crate::app::operation::Slot;
 use std::collections::{BTreeMap, BTreeSet};

@@ -4,5 +4,6 @@
 
 mod clicks;
 pub mod gold;
+mod grabbing;
 mod masks;
 mod naming;

@@ -4,6 +4,7 @@
 
 mod cameras;
 mod document;
+mod leaving;
 mod numbers;
 mod outside;
 mod shots;
