@@ -26,6 +26,7 @@ mod real_base;
 mod real_base_in_app;
 mod real_cameras;
 mod real_clicks;
+mod real_courts;
 mod real_exchange;
 mod real_frames;
 mod real_paint;
@@ -60,6 +61,8 @@ fn main() -> ExitCode {
         real_trust::TESTS,
         #[cfg(feature = "opencv")]
         real_video::TESTS,
+        #[cfg(feature = "opencv")]
+        real_courts::TESTS,
         #[cfg(feature = "opencv")]
         real_wood::TESTS,
         render_command::TESTS,

@@ -51,12 +51,19 @@ impl Evidence {
     }
 
     /// How much speaks against the cameras where they have lines, as a share of what speaks for
-    /// them. A camera that is right has no line on bare ground, whatever else it explains.
+    /// them; infinite where nothing does. A camera that is right has no line on bare ground,
+    /// whatever else it explains.
     pub fn contradicted_share(&self) -> f64 {
-        let sum = |is_counted: fn(&f64) -> bool| -> f64 {
-            self.of_lines.iter().copied().filter(is_counted).sum()
-        };
-        -sum(|nats| *nats < 0.0) / sum(|nats| *nats > 0.0)
+        let (mut supporting, mut contradicting) = (0.0, 0.0);
+        for nats in &self.of_lines {
+            supporting += nats.max(0.0);
+            contradicting -= nats.min(0.0);
+        }
+        if supporting > 0.0 {
+            contradicting / supporting
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// All of it.
@@ -211,6 +218,20 @@ mod tests {
         let other = super::tests::camera(15.0);
         let more = [(camera, &markings), (other, &markings_of(&field, &other))];
         assert!(Evidence::weigh(&field, &more).nats() > 1.3 * once.nats());
+    }
+
+    #[test]
+    fn lines_on_bare_ground_contradict_a_camera() {
+        let share = |of_lines: &[f64]| {
+            let evidence = Evidence {
+                of_lines: of_lines.to_vec(),
+                unexplained: -50.0,
+            };
+            evidence.contradicted_share()
+        };
+        assert_eq!(share(&[30.0, -3.0, 10.0, -1.0]), 0.1);
+        assert_eq!(share(&[30.0, 0.0]), 0.0);
+        assert_eq!([share(&[-3.0]), share(&[])], [f64::INFINITY; 2]);
     }
 
     #[test]
