@@ -77,7 +77,8 @@
 //! | `masks_px?` | boxes that give no features in this frame, px |
 //! | `labels_name?` | its name in another program's files, where that is not its picture's |
 //! | `lens?` | what its lens is known to be before it is solved: `focal_px`, `principal_point_px`, `k1?`, `k2?` ([`FrameLens`]) |
-//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`; absent: unsolved ([`FramePtz`]) |
+//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`, `own_place?`; absent: unsolved ([`FramePtz`]) |
+//! | `ptz.own_place?` | where another program's file puts this frame, whose camera wavers about its place: `position_m`, `heading_deg`, `pitch_deg`, `roll_deg` ([`OwnPlace`]) |
 //! | `solution?` | below |
 //!
 //! A solution ([`Solution`]):
@@ -92,7 +93,7 @@
 //! | `samples?` | how many samples of painted lines took part |
 //! | `line_check?` | the evidence of the paint: `score`, `predicted`, `found`, `bare`, … ([`PaintEvidence`]) |
 //! | `proposed?` | what the program proposed before a person corrected it ([`Proposed`]) |
-//! | `imported?` | the camera that another program gave the frame, where mending replaced it ([`ImportedCamera`]) |
+//! | `imported?` | the camera that another program gave the frame, where another one replaced it ([`ImportedCamera`]) |
 //! | `timings_ms?` | `features`, `predict`, `pose` ([`TimingsMs`]) |
 //! | `verdict?` | on the clicks when they were solved |
 //! | `disputed?` | indices of clicks that disagree with the others |
@@ -142,6 +143,7 @@ pub use model::frames::Frames;
 pub use model::ground::{Ground, GroundGrade};
 pub use model::imported_camera::ImportedCamera;
 pub use model::mask::{MaskSource, RangedMask};
+pub use model::own_place::OwnPlace;
 pub use model::repeat::Repeat;
 pub use model::shared::Shared;
 pub use model::shot::{Shot, ShotContent, ShotEnd, ShotKind};

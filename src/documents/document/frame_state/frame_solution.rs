@@ -39,9 +39,10 @@ impl Frame {
         targets.map(Target::equations).sum::<usize>() >= ENOUGH_EQUATIONS
     }
 
-    /// Sets pan, tilt, focal length and the lens at this focal length. Other keys of the document
-    /// are kept.
+    /// Sets pan, tilt, focal length and the lens at this focal length, on the base of its camera.
+    /// Other keys of the document are kept; a place of its own is kept as the camera that came.
     pub fn point(&mut self, ptz: Ptz, lens: Radial) {
+        self.keep_own_place();
         let before = self.ptz.take();
         // A lens without distortion is stated only where the frame stated one before, so that
         // frames of a pinhole camera get no `k1` key.
@@ -62,6 +63,16 @@ impl Frame {
                 || known.confidence.is_some()
         });
         self.ptz.is_some() && !is_stated
+    }
+
+    /// Keeps a camera with a place of its own as the one that another program gave it, before
+    /// another camera takes its place.
+    pub fn keep_own_place(&mut self) {
+        let came = self.ptz.as_ref().and_then(ImportedCamera::from_own_place);
+        if let Some(came) = came {
+            let solution = self.solution.get_or_insert_default();
+            solution.imported.get_or_insert(came);
+        }
     }
 
     /// Takes the record of the camera that another program gave it, which outlives the cameras that
@@ -174,6 +185,9 @@ impl Frame {
         let Some(proposed) = solution.proposed.take() else {
             return false;
         };
+        // A camera at its own place is the one that came: no record of it is needed beside it.
+        let imported = solution.imported.take();
+        let imported = imported.filter(|_| proposed.ptz.own_place.is_none());
         self.ptz = Some(proposed.ptz);
         // As in `record`, what other programs stated stays.
         *solution = Solution {
@@ -182,7 +196,7 @@ impl Frame {
             worst_corner_sigma_px: proposed.worst_corner_sigma_px,
             source: Some(proposed.source),
             confidence: proposed.confidence,
-            imported: solution.imported.take(),
+            imported,
             extra: std::mem::take(&mut solution.extra),
             ..Solution::default()
         };

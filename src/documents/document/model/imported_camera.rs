@@ -1,7 +1,7 @@
 //! The camera that another program gave a frame, kept beside the one that replaced it.
 
 use super::adapters;
-use crate::document::Extra;
+use crate::document::{Extra, FramePtz};
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{Angle, Vec3};
@@ -85,6 +85,21 @@ impl ImportedCamera {
 }
 
 impl ImportedCamera {
+    /// The record of a frame's camera that has a place of its own; none if it has none.
+    pub(in crate::document) fn from_own_place(ptz: &FramePtz) -> Option<Self> {
+        let own = ptz.own_place.as_ref()?;
+        Some(Self {
+            position_m: own.position_m,
+            heading_deg: own.heading_deg,
+            pitch_deg: own.pitch_deg,
+            roll_deg: own.roll_deg,
+            focal_px: ptz.focal_px,
+            moved_px: None,
+            fault: None,
+            extra: Extra::new(),
+        })
+    }
+
     /// The base of the camera, with principal point and lens of `like`, and pan, tilt and focal
     /// length on it. Cameras without roll at one place have one base.
     pub fn on_base_of(&self, like: &CameraBase) -> (CameraBase, Ptz) {

@@ -1,7 +1,7 @@
 //! What a solve says about a frame.
 
 use super::adapters;
-use crate::document::{Extra, Ground, ImportedCamera, Target};
+use crate::document::{Extra, Ground, ImportedCamera, OwnPlace, Target};
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::geometry::Mat3;
@@ -40,6 +40,10 @@ pub struct FramePtz {
         skip_serializing_if = "Option::is_none"
     )]
     pub k2: Option<f64>,
+    /// Where the camera of this frame stands and looks by the file that it came from, if that is
+    /// not quite the base of its camera. Then the frame is drawn and exported with it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own_place: Option<Box<OwnPlace>>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -56,6 +60,7 @@ impl FramePtz {
             focal_px: ptz.focal_px,
             k1: lens.map(|lens| lens.k1),
             k2: lens.map(|lens| lens.k2).filter(|k2| *k2 != 0.0),
+            own_place: None,
             extra: Extra::new(),
         }
     }
@@ -135,7 +140,7 @@ pub struct Solution {
     /// The camera that it had before a person corrected it with clicks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proposed: Option<Proposed>,
-    /// The camera that another program gave the frame, where mending replaced it.
+    /// The camera that another program gave the frame, where another one replaced it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<ImportedCamera>,
     /// What finding it took.
