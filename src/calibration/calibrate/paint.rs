@@ -92,7 +92,7 @@ fn snap_on_ground(
     ground: &GroundPicture,
     options: &SnapOptions,
 ) -> Result<(CameraBase, Snapped), SnapFrameError> {
-    // On the base of its camera, from which a place of the frame's own is left behind.
+    // On the base of its camera, also where the frame was imported beside that.
     let known = document.camera_of(frame);
     let camera = known
         .and_then(|known| known.ptz_camera_on_base(frame))

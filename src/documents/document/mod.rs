@@ -77,8 +77,8 @@
 //! | `masks_px?` | boxes that give no features in this frame, px |
 //! | `labels_name?` | its name in another program's files, where that is not its picture's |
 //! | `lens?` | what its lens is known to be before it is solved: `focal_px`, `principal_point_px`, `k1?`, `k2?` ([`FrameLens`]) |
-//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`, `own_place?`; absent: unsolved ([`FramePtz`]) |
-//! | `ptz.own_place?` | where another program's file puts this frame, whose camera wavers about its place: `position_m`, `heading_deg`, `pitch_deg`, `roll_deg` ([`OwnPlace`]) |
+//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`, `imported?`; absent: unsolved ([`FramePtz`]) |
+//! | `ptz.imported?` | the frame's camera by the file that it came from, where that wavers about the base of its camera: the frame is shown with it ([`ImportedCamera`]) |
 //! | `solution?` | below |
 //!
 //! A solution ([`Solution`]):
@@ -143,7 +143,6 @@ pub use model::frames::Frames;
 pub use model::ground::{Ground, GroundGrade};
 pub use model::imported_camera::ImportedCamera;
 pub use model::mask::{MaskSource, RangedMask};
-pub use model::own_place::OwnPlace;
 pub use model::repeat::Repeat;
 pub use model::shared::Shared;
 pub use model::shot::{Shot, ShotContent, ShotEnd, ShotKind};

@@ -40,9 +40,9 @@ impl Frame {
     }
 
     /// Sets pan, tilt, focal length and the lens at this focal length, on the base of its camera.
-    /// Other keys of the document are kept; a place of its own is kept as the camera that came.
+    /// Other keys of the document are kept, and an imported camera beside the base on record.
     pub fn point(&mut self, ptz: Ptz, lens: Radial) {
-        self.keep_own_place();
+        self.keep_imported();
         let before = self.ptz.take();
         // A lens without distortion is stated only where the frame stated one before, so that
         // frames of a pinhole camera get no `k1` key.
@@ -65,13 +65,12 @@ impl Frame {
         self.ptz.is_some() && !is_stated
     }
 
-    /// Keeps a camera with a place of its own as the one that another program gave it, before
-    /// another camera takes its place.
-    pub fn keep_own_place(&mut self) {
-        let came = self.ptz.as_ref().and_then(ImportedCamera::from_own_place);
-        if let Some(came) = came {
+    /// Moves an imported camera that stands beside the base of its camera to the record, before
+    /// `ptz` is replaced.
+    pub fn keep_imported(&mut self) {
+        if let Some(came) = self.ptz.as_mut().and_then(|ptz| ptz.imported.take()) {
             let solution = self.solution.get_or_insert_default();
-            solution.imported.get_or_insert(came);
+            solution.imported.get_or_insert(*came);
         }
     }
 
@@ -185,9 +184,9 @@ impl Frame {
         let Some(proposed) = solution.proposed.take() else {
             return false;
         };
-        // A camera at its own place is the one that came: no record of it is needed beside it.
+        // A proposal that is the imported camera needs no record of that beside it.
         let imported = solution.imported.take();
-        let imported = imported.filter(|_| proposed.ptz.own_place.is_none());
+        let imported = imported.filter(|_| proposed.ptz.imported.is_none());
         self.ptz = Some(proposed.ptz);
         // As in `record`, what other programs stated stays.
         *solution = Solution {

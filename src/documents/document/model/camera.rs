@@ -334,12 +334,12 @@ impl Camera {
         Some(base)
     }
 
-    /// The camera of a solved frame, at the frame's own place if it has one; none without a base or
-    /// the frame's `ptz`.
+    /// The camera of a solved frame: as it was imported, where `ptz` says so, else on the base;
+    /// none without a base or the frame's `ptz`.
     pub fn ptz_camera(&self, frame: &Frame) -> Option<PtzCamera> {
         let on_base = self.ptz_camera_on_base(frame)?;
-        let own = frame.ptz.as_ref()?.own_place.as_ref();
-        Some(own.map_or(on_base, |own| own.camera_like(&on_base)))
+        let imported = frame.ptz.as_ref()?.imported.as_ref();
+        Some(imported.map_or(on_base, |imported| imported.camera_like(&on_base)))
     }
 
     /// The camera of a solved frame at its pan, tilt and focal length on this camera's base, where

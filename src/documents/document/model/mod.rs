@@ -20,7 +20,6 @@ mod frames_version;
 pub mod ground;
 pub mod imported_camera;
 pub mod mask;
-pub mod own_place;
 pub mod repeat;
 pub mod shared;
 pub mod shot;

@@ -1,7 +1,7 @@
 //! What a solve says about a frame.
 
 use super::adapters;
-use crate::document::{Extra, Ground, ImportedCamera, OwnPlace, Target};
+use crate::document::{Extra, Ground, ImportedCamera, Target};
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::geometry::Mat3;
@@ -40,10 +40,12 @@ pub struct FramePtz {
         skip_serializing_if = "Option::is_none"
     )]
     pub k2: Option<f64>,
-    /// Where the camera of this frame stands and looks by the file that it came from, if that is
-    /// not quite the base of its camera. Then the frame is drawn and exported with it.
+    /// The camera of this frame as another program gave it, if that stands not quite on the base
+    /// of its camera: sensors on a tripod, and programs that calibrate a video frame by frame,
+    /// state a place and a roll for every frame. The frame is drawn, exported and compared with
+    /// it; pan, tilt and focal length beside it are the nearest ones on the base.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub own_place: Option<Box<OwnPlace>>,
+    pub imported: Option<Box<ImportedCamera>>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -60,7 +62,7 @@ impl FramePtz {
             focal_px: ptz.focal_px,
             k1: lens.map(|lens| lens.k1),
             k2: lens.map(|lens| lens.k2).filter(|k2| *k2 != 0.0),
-            own_place: None,
+            imported: None,
             extra: Extra::new(),
         }
     }

@@ -81,6 +81,17 @@ pub struct FrameCamera {
     pub remark: Option<&'static str>,
     /// Why it has no camera, where its file is damaged.
     pub unreadable: Option<Unreadable>,
+    /// The base that it shares with other frames, whose places waver about it.
+    pub common_base: Option<CommonBase>,
+}
+
+/// A base that the frames of one camera share, although each states a place of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CommonBase {
+    /// Tells it from the others of an import.
+    pub number: usize,
+    /// The base; its lens is not stated.
+    pub base: CameraBase,
 }
 
 /// Further data of a frame besides its camera.
@@ -134,6 +145,7 @@ impl FrameCamera {
             off_px: 0.0,
             remark: None,
             unreadable: None,
+            common_base: None,
         }
     }
 

@@ -1,9 +1,10 @@
 //! Converts cameras that were read into a document: frames with a common base share a camera.
 
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
+use super::one_place::moved_to;
 use crate::document::{
     Camera, CameraId, Distortion, Document, FieldSpec, Frame, FrameLens, FramePtz, FrameStatus,
-    Shared, Solution, SolutionSource, VideoFrame,
+    ImportedCamera, Shared, Solution, SolutionSource, VideoFrame,
 };
 use nalgebra::SymmetricEigen;
 use std::collections::{BTreeMap, BTreeSet};
@@ -62,30 +63,22 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
         let common_lens = lens_of(&views);
         // Frames of one position without a common pan axis get a camera each. A lens that no curve
         // describes leaves its frame out; `Pinhole::validate` refuses such lenses.
-        let axis = pan_axis(&views, exact.angle_rad).or_else(|| pan_axis(&views, SMALL_ROLL_RAD));
-        let parts: Vec<(Vec<usize>, Vec3)> = match axis {
-            Some(axis) => vec![(group, axis)],
-            None => group
-                .into_iter()
-                .map(|index| (vec![index], upright_axis(&frames[index].2)))
-                .collect(),
+        let parts: Vec<(Vec<usize>, CameraBase)> = match frames[group[0]].0.common_base {
+            Some(common) => vec![(group, common.base)],
+            None => parts_with_an_axis(frames, group, &views, exact),
         };
-        for (members, axis) in parts {
+        for (members, base) in parts {
             let (first, size, view) = &frames[members[0]];
+            let is_common = first.common_base.is_some();
             // Frames without a common lens keep their own beside that of the first.
             let has_own_lens = common_lens.is_none() && members.len() > 1;
             let Some(curve) = common_lens.or_else(|| view.curve()) else {
                 continue;
             };
-            // The gauge of pan zero is that of the program (`rotation_about`), so that cameras of
-            // one place have comparable pans, whatever the file counts from.
             let base = CameraBase {
                 distortion: curve,
-                ..CameraBase::new(
-                    view.position_m,
-                    CameraBase::rotation_about(&axis),
-                    view.principal_point,
-                )
+                principal_point: view.principal_point,
+                ..base
             };
             // A format without names of cameras gives `main`.
             let name = first.camera.as_deref().filter(|name| !name.is_empty());
@@ -100,15 +93,24 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                 let view = &frames[index].2;
                 // Q_tilt · Q_pan of the view (`conventions`): its first row is (cos θ, 0, −sin θ),
                 // its second column (0, cos φ, −sin φ). What is left of a roll within the
-                // tolerance is dropped.
-                let turned = view.cam_from_world * base.base_from_world.transpose();
+                // tolerance is dropped; what is left of any other is kept as it was imported.
+                let on_base = if is_common {
+                    moved_to(view, base.position_m)
+                } else {
+                    *view
+                };
+                let turned = on_base.cam_from_world * base.base_from_world.transpose();
                 let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
                 let tilt = Angle::from_radians((-turned[(2, 1)]).atan2(turned[(1, 1)]));
                 let ptz = Ptz {
                     pan,
                     tilt,
-                    focal_px: view.focal_px,
+                    focal_px: on_base.focal_px,
                 };
+                let imported = Some(view)
+                    .filter(|_| is_common)
+                    .and_then(Pinhole::ptz_camera)
+                    .and_then(|camera| ImportedCamera::new(&camera, None, None));
                 // The frame records the lens as the curve gives it, within `SAME_LENS` of the one
                 // that was read.
                 let radial = if has_own_lens {
@@ -119,7 +121,10 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                 let recorded = Some(radial).filter(|lens| !lens.is_none());
                 made[index] = Some(Solved {
                     camera: id.clone(),
-                    ptz: FramePtz::new(ptz, recorded),
+                    ptz: FramePtz {
+                        imported: imported.map(Box::new),
+                        ..FramePtz::new(ptz, recorded)
+                    },
                     lens: has_own_lens
                         .then(|| FrameLens::new(view.focal_px, view.principal_point, view.lens)),
                 });
@@ -142,6 +147,34 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
         }
     }
     document
+}
+
+/// The bases of frames at one place (by index): one for all if they have a common pan axis, else
+/// one for each.
+fn parts_with_an_axis(
+    frames: &[View],
+    group: Vec<usize>,
+    views: &[&Pinhole],
+    exact: Exactness,
+) -> Vec<(Vec<usize>, CameraBase)> {
+    // The gauge of pan zero is that of the program (`rotation_about`), so that cameras of one place
+    // have comparable pans, whatever the file counts from.
+    let base_at = |index: usize, axis: &Vec3| {
+        let view = &frames[index].2;
+        let rotation = CameraBase::rotation_about(axis);
+        CameraBase::new(view.position_m, rotation, view.principal_point)
+    };
+    let axis = pan_axis(views, exact.angle_rad).or_else(|| pan_axis(views, SMALL_ROLL_RAD));
+    match axis {
+        Some(axis) => {
+            let base = base_at(group[0], &axis);
+            vec![(group, base)]
+        }
+        None => group
+            .into_iter()
+            .map(|index| (vec![index], base_at(index, &upright_axis(&frames[index].2))))
+            .collect(),
+    }
 }
 
 /// What the document says of the camera of a frame.
@@ -190,14 +223,24 @@ pub(in crate::exchange) fn unsolved_frame(
     }
 }
 
-/// Groups of frames (by index) that may share a camera: equal position, camera name and size.
+/// Groups of frames (by index) that may share a camera: a common base, or equal position, camera
+/// name and size.
 pub(super) fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     // A hash grid of the groups' first frames, with cells of the tolerance's size, because a data
     // set may have a different position for every frame. Frames within the tolerance lie in
     // touching cells.
     let mut by_cell: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
+    let mut by_base: BTreeMap<usize, usize> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
+        if let Some(common) = frame.0.common_base {
+            let group = *by_base.entry(common.number).or_insert(groups.len());
+            if group == groups.len() {
+                groups.push(Vec::new());
+            }
+            groups[group].push(index);
+            continue;
+        }
         let cell = [0, 1, 2].map(|axis: usize| (frame.2.position_m[axis] / place_m).floor() as i64);
         // The earliest group within reach: as if all groups were compared in their order.
         let near = cells_around(cell)
@@ -274,7 +317,7 @@ impl FreeNames {
 
 /// The common pan axis of all views, upwards (`world`): the vertical if it fits, else the direction
 /// perpendicular to all of their x axes. None if no axis fits within `tolerance_rad`.
-fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
+pub(super) fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     let upright = Vec3::z();
     if is_pan_axis(&upright, views, tolerance_rad) {
         return Some(upright);

@@ -4,6 +4,7 @@ use super::imported::Imported;
 use super::pictures::{image_of, refuse_shared_pictures};
 use crate::document::{Camera, CameraId, Document, FrameStatus, path_between};
 use crate::exchange::cameras::camera_format::CameraFormat;
+use crate::exchange::cameras::common_base::find_common_bases;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Unreadable};
 use crate::exchange::cameras::ground_fit::misfit_px;
 use crate::exchange::cameras::into_document::{View, camera_of};
@@ -118,6 +119,7 @@ pub fn import_cameras(
     notes.extend(remark_notes(&frames));
     notes.extend(camera_format.unread(&files));
     let given: Vec<Pinhole> = views.iter().map(|(_, _, view)| *view).collect();
+    notes.extend(find_common_bases(&mut views, camera_format.exactness()));
     put_on_one_place(&mut views);
     let mut document = camera_format.document(options.field.clone(), &views);
     notes.extend(moved_note(&document, &given));
