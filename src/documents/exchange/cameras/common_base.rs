@@ -12,7 +12,7 @@
 //!    are those of a camera that moves. It has no base.
 
 use super::frame_camera::{CommonBase, FrameCamera, Pinhole};
-use super::into_document::{Exactness, View, pan_axis};
+use super::into_document::{Exactness, ROUNDING_RAD, View, pan_axis};
 use crate::document::Moment;
 use std::collections::BTreeMap;
 use touchline_core::camera::{BaseSigma, CameraBase, PtzCamera};
@@ -172,11 +172,12 @@ fn split_at_gaps(views: &[View], sequence: Vec<usize>) -> Vec<Vec<usize>> {
     parts
 }
 
-/// Whether frames share a place and a pan axis to the last digit that the format has.
+/// Whether frames share a place and a pan axis to the last digits that the format has.
 fn have_one_base(views: &[View], part: &[usize], exact: Exactness) -> bool {
     let first = views[part[0]].2.position_m;
     let is_there = |index: &usize| (views[*index].2.position_m - first).amax() <= exact.place_m;
-    part.iter().all(is_there) && pan_axis(&pinholes(views, part), exact.angle_rad).is_some()
+    let angle_rad = exact.angle_rad.max(ROUNDING_RAD);
+    part.iter().all(is_there) && pan_axis(&pinholes(views, part), angle_rad).is_some()
 }
 
 fn pinholes<'a>(views: &'a [View], part: &[usize]) -> Vec<&'a Pinhole> {
@@ -189,8 +190,10 @@ struct Spread {
     middle_m: Vec3,
     /// 1 σ along each axis from the median absolute deviation, m.
     sigma_m: Vec3,
-    /// From the beginning to the end, m; zero where the places come back.
+    /// From the beginning to the end, m.
     drift_m: f64,
+    /// Whether the places come back.
+    returns: bool,
 }
 
 impl Spread {
@@ -219,11 +222,8 @@ impl Spread {
         Some(Self {
             middle_m,
             sigma_m,
-            drift_m: if drift_m > RETURNS * extent_m {
-                drift_m
-            } else {
-                0.0
-            },
+            drift_m,
+            returns: drift_m <= RETURNS * extent_m,
         })
     }
 
@@ -232,7 +232,7 @@ impl Spread {
         let away_m = self.middle_m.norm();
         let [x, y, z] = <[f64; 3]>::from(self.middle_m);
         let about = format!("about ({x:.1}, {y:.1}, {z:.1}) m");
-        if self.drift_m > MOST_DRIFT * away_m {
+        if !self.returns && self.drift_m > MOST_DRIFT * away_m {
             Some(format!(
                 "drift by {:.1} m {about} without coming back",
                 self.drift_m

@@ -18,8 +18,11 @@ pub(super) const SAME_PLACE_M: f64 = 1e-6;
 /// The minimum spread of pans that determines the pan axis: the second smallest eigenvalue of the
 /// mean of x xᵀ over the frames' x axes.
 const MIN_PAN_SPREAD: f64 = 1e-6;
-/// A roll of frames of one place that no common axis explains is dropped up to this angle: 0.2 px at
-/// the border of a picture of 1920 px. Trackers leave as much of it in each frame.
+/// A roll of frames of one place that no common axis explains is rounding up to this angle, and
+/// dropped: 0.001 px at the border of a picture of 1920 px.
+pub(super) const ROUNDING_RAD: f64 = 1e-6;
+/// Up to this angle, frames of one place share a camera and keep what they roll. Trackers leave as
+/// much of it in each frame.
 const SMALL_ROLL_RAD: f64 = 2e-4;
 /// Ground farther from the middle of the field is not used to fit a camera, m.
 const WIDEST_GROUND_M: f64 = 150.0;
@@ -63,13 +66,21 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
         let common_lens = lens_of(&views);
         // Frames of one position without a common pan axis get a camera each. A lens that no curve
         // describes leaves its frame out; `Pinhole::validate` refuses such lenses.
-        let parts: Vec<(Vec<usize>, CameraBase)> = match frames[group[0]].0.common_base {
-            Some(common) => vec![(group, common.base)],
+        let parts = match frames[group[0]].0.common_base {
+            Some(common) => vec![OnBase {
+                members: group,
+                base: common.base,
+                keeps_own: true,
+            }],
             None => parts_with_an_axis(frames, group, &views, exact),
         };
-        for (members, base) in parts {
+        for part in parts {
+            let OnBase {
+                members,
+                base,
+                keeps_own,
+            } = part;
             let (first, size, view) = &frames[members[0]];
-            let is_common = first.common_base.is_some();
             // Frames without a common lens keep their own beside that of the first.
             let has_own_lens = common_lens.is_none() && members.len() > 1;
             let Some(curve) = common_lens.or_else(|| view.curve()) else {
@@ -92,9 +103,9 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             for index in members {
                 let view = &frames[index].2;
                 // Q_tilt · Q_pan of the view (`conventions`): its first row is (cos θ, 0, −sin θ),
-                // its second column (0, cos φ, −sin φ). What is left of a roll within the
-                // tolerance is dropped; what is left of any other is kept as it was imported.
-                let on_base = if is_common {
+                // its second column (0, cos φ, −sin φ). What is left of a roll is rounding, or kept
+                // as it was imported.
+                let on_base = if keeps_own {
                     moved_to(view, base.position_m)
                 } else {
                     *view
@@ -108,7 +119,7 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                     focal_px: on_base.focal_px,
                 };
                 let imported = Some(view)
-                    .filter(|_| is_common)
+                    .filter(|_| keeps_own)
                     .and_then(Pinhole::ptz_camera)
                     .and_then(|camera| ImportedCamera::new(&camera, None, None));
                 // The frame records the lens as the curve gives it, within `SAME_LENS` of the one
@@ -149,6 +160,14 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
     document
 }
 
+/// Frames (by index) on one base.
+struct OnBase {
+    members: Vec<usize>,
+    base: CameraBase,
+    /// Whether they stand or roll a little beside it, and keep how they came.
+    keeps_own: bool,
+}
+
 /// The bases of frames at one place (by index): one for all if they have a common pan axis, else
 /// one for each.
 fn parts_with_an_axis(
@@ -156,7 +175,7 @@ fn parts_with_an_axis(
     group: Vec<usize>,
     views: &[&Pinhole],
     exact: Exactness,
-) -> Vec<(Vec<usize>, CameraBase)> {
+) -> Vec<OnBase> {
     // The gauge of pan zero is that of the program (`rotation_about`), so that cameras of one place
     // have comparable pans, whatever the file counts from.
     let base_at = |index: usize, axis: &Vec3| {
@@ -164,17 +183,23 @@ fn parts_with_an_axis(
         let rotation = CameraBase::rotation_about(axis);
         CameraBase::new(view.position_m, rotation, view.principal_point)
     };
-    let axis = pan_axis(views, exact.angle_rad).or_else(|| pan_axis(views, SMALL_ROLL_RAD));
-    match axis {
-        Some(axis) => {
-            let base = base_at(group[0], &axis);
-            vec![(group, base)]
-        }
-        None => group
-            .into_iter()
-            .map(|index| (vec![index], base_at(index, &upright_axis(&frames[index].2))))
-            .collect(),
+    let rounding_rad = exact.angle_rad.max(ROUNDING_RAD);
+    let exact_axis = pan_axis(views, exact.angle_rad).or_else(|| pan_axis(views, rounding_rad));
+    let keeps_own = exact_axis.is_none();
+    if let Some(axis) = exact_axis.or_else(|| pan_axis(views, SMALL_ROLL_RAD)) {
+        let base = base_at(group[0], &axis);
+        return vec![OnBase {
+            members: group,
+            base,
+            keeps_own,
+        }];
     }
+    let alone = group.into_iter().map(|index| OnBase {
+        members: vec![index],
+        base: base_at(index, &upright_axis(&frames[index].2)),
+        keeps_own: false,
+    });
+    alone.collect()
 }
 
 /// What the document says of the camera of a frame.

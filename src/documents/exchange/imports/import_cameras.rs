@@ -153,7 +153,7 @@ impl ImportOptions {
 }
 
 /// The note about frames that the document shows a little otherwise than the file, because their
-/// cameras waver about a place, or roll by more than the axis of that place explains.
+/// cameras waver about a place.
 fn moved_note(document: &Document, given: &[Pinhole]) -> Option<String> {
     let cameras: BTreeMap<&CameraId, &Camera> = document
         .cameras
@@ -176,8 +176,7 @@ fn moved_note(document: &Document, given: &[Pinhole]) -> Option<String> {
     let seen: Vec<f64> = off_px.filter(|off_px| *off_px > SEEN_PX).collect();
     let worst_px = seen.iter().copied().reduce(f64::max)?;
     Some(format!(
-        "{} waver about their place or roll about their axis by a hair, which is left out: at most \
-         {worst_px:.3} px",
+        "{} waver about their place by a hair, which is left out: at most {worst_px:.3} px",
         pluralise(seen.len(), "camera")
     ))
 }

@@ -229,6 +229,18 @@ fn stills_of_a_stadium_and_exact_cameras_stay_as_they_are() {
 }
 
 #[test]
+fn a_few_frames_of_such_a_video_are_exported_as_exactly() {
+    let views = video(40, 0.0, 0.01);
+    let (mut document, _) = imported(&views);
+    document
+        .frames
+        .retain(|frame| frame.image.as_deref() < Some("00003.jpg"));
+    for format in [Format::Csv, Format::SoccerNet, Format::OpenTrackIo] {
+        assert!(export_as(&document, format).worst_px < 1e-6, "{format}");
+    }
+}
+
+#[test]
 fn every_table_of_cameras_has_what_came_and_gives_it_back() {
     let views = video(40, 0.1, 0.05);
     let (document, _) = imported(&views);
@@ -237,7 +249,7 @@ fn every_table_of_cameras_has_what_came_and_gives_it_back() {
         Format::Csv,
         Format::OpenCv,
         Format::Colmap,
-        Format::SoccerNet,
+        Format::BroadTrack,
     ] {
         let exported = export_as(&document, format);
         let path = folder.path().join(format.name());
