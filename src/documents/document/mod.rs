@@ -78,7 +78,7 @@
 //! | `labels_name?` | its name in another program's files, where that is not its picture's |
 //! | `lens?` | what its lens is known to be before it is solved: `focal_px`, `principal_point_px`, `k1?`, `k2?` ([`FrameLens`]) |
 //! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`, `imported?`; absent: unsolved ([`FramePtz`]) |
-//! | `ptz.imported?` | the frame's camera by the file that it came from, where that wavers about the base of its camera: the frame is shown with it ([`ImportedCamera`]) |
+//! | `ptz.imported?` | the camera that came, beside that on the base ([`ImportedCamera`]) |
 //! | `solution?` | below |
 //!
 //! A solution ([`Solution`]):

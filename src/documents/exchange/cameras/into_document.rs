@@ -1,7 +1,6 @@
 //! Converts cameras that were read into a document: frames with a common base share a camera.
 
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use super::one_place::moved_to;
 use crate::document::{
     Camera, CameraId, Distortion, Document, FieldSpec, Frame, FrameLens, FramePtz, FrameStatus,
     ImportedCamera, Shared, Solution, SolutionSource, VideoFrame,
@@ -106,7 +105,7 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                 // its second column (0, cos φ, −sin φ). What is left of a roll is rounding, or kept
                 // as it was imported.
                 let on_base = if keeps_own {
-                    moved_to(view, base.position_m)
+                    view.move_to(base.position_m)
                 } else {
                     *view
                 };

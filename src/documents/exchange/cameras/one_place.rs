@@ -8,15 +8,11 @@
 
 use super::frame_camera::Pinhole;
 use super::into_document::{SAME_PLACE_M, View, group_by_position};
-use nalgebra::Rotation3;
 use touchline_core::geometry::Vec3;
 
 /// Two places of one camera's frames that differ by at most this along each axis are one, m. No
 /// two cameras stand as near to each other, and no survey tells such places apart.
 const WAVER_M: f64 = 5e-3;
-
-/// Where a camera shows no ground, the point in the middle is taken to be this far away, m.
-const AWAY_M: f64 = 60.0;
 
 /// Puts views that waver about a place on it. Views on one exact place stay as they are.
 pub fn put_on_one_place(views: &mut [View]) {
@@ -37,31 +33,9 @@ pub fn put_on_one_place(views: &mut [View]) {
             let view = &mut views[index].2;
             *view = Pinhole {
                 focal_px: view.focal_px,
-                ..moved_to(view, place_m)
+                ..view.move_to(place_m)
             };
         }
-    }
-}
-
-/// A camera moved to another place, aimed at the point that it showed in the middle and zoomed to
-/// show it as large.
-pub(super) fn moved_to(view: &Pinhole, place_m: Vec3) -> Pinhole {
-    let axis = view.cam_from_world.row(2).transpose();
-    let to_ground_m = -view.position_m.z / axis.z;
-    let away_m = if to_ground_m > 0.0 && to_ground_m < 10.0 * AWAY_M {
-        to_ground_m
-    } else {
-        AWAY_M
-    };
-    let point = view.position_m + axis * away_m;
-    // The vector product of two unit vectors is the turn itself as long as it is small.
-    let turn = (point - place_m).normalize().cross(&axis);
-    let nearer = (point - place_m).norm() / away_m;
-    Pinhole {
-        focal_px: view.focal_px * nearer,
-        cam_from_world: view.cam_from_world * Rotation3::new(turn).matrix(),
-        position_m: place_m,
-        ..*view
     }
 }
 
