@@ -3,8 +3,8 @@
 use crate::drawn::draw;
 use crate::program::touchline;
 use std::fs;
-use touchline::camera::{Ptz, PtzCamera, Radial};
-use touchline::document::{FramePtz, FrameStatus, SolutionSource};
+use touchline::camera::{CameraBase, Ptz, PtzCamera, Radial};
+use touchline::document::{FramePtz, FrameStatus, ImportedCamera, SolutionSource};
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
 use touchline_core::testing::TestBase;
@@ -58,6 +58,20 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
         let ptz = turn_view(&camera, 12.0, -8.0, 1.005).ptz();
         frame.ptz = Some(FramePtz::new(ptz, None));
     }
+    // One frame came from beside the base of its camera.
+    let came = off.ptz_camera(&off.frames[1]).unwrap();
+    let mut beside_m = came.base().position_m;
+    beside_m.x += 0.15;
+    let beside = CameraBase {
+        position_m: beside_m,
+        ..*came.base()
+    };
+    let came = ImportedCamera::new(&PtzCamera::new(beside, came.ptz()), None, None);
+    off.frames[1].ptz.as_mut().unwrap().imported = came.clone().map(Box::new);
+    assert_eq!(
+        off.ptz_camera(&off.frames[1]).unwrap().base().position_m,
+        beside_m
+    );
     // One frame has no camera and stays as it is.
     off.frames[3].ptz = None;
     off.frames[3].solution = None;
@@ -78,6 +92,10 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
         assert!(
             solution.samples.is_some_and(|samples| samples > 40) && solution.covariance.is_some()
         );
+        // It stands on the base of its camera, and says where it stood.
+        assert_eq!(is.ptz.as_ref().unwrap().imported, None);
+        let came = came.clone().filter(|_| was.id == truth.frames[1].id);
+        assert_eq!(solution.imported, came);
         assert!(
             solution
                 .line_check

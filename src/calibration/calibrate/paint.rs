@@ -92,13 +92,13 @@ fn snap_on_ground(
     ground: &GroundPicture,
     options: &SnapOptions,
 ) -> Result<(CameraBase, Snapped), SnapFrameError> {
-    let camera = document.ptz_camera(frame).ok_or(SnapFrameError::Unsolved)?;
+    // On the base of its camera, also where the frame was imported beside that.
+    let known = document.camera_of(frame);
+    let camera = known
+        .and_then(|known| known.ptz_camera_on_base(frame))
+        .ok_or(SnapFrameError::Unsolved)?;
     // The lens of a base applies to all frames; a k₁ of one frame would contradict it.
-    if options.own_k1
-        && document
-            .camera_of(frame)
-            .is_some_and(|camera| camera.curve().is_some())
-    {
+    if options.own_k1 && known.is_some_and(|known| known.curve().is_some()) {
         return Err(SnapFrameError::HasLens);
     }
     // Clicks constrain the alignment where paint is sparse; each is weighted by its σ.

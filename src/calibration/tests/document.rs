@@ -283,6 +283,7 @@ fn frame() -> impl Strategy<Value = Frame> {
             frame.ptz = some[1].then(|| FramePtz {
                 k1: some[2].then_some(n[4]),
                 k2: some[1].then_some(0.01),
+                imported: None,
                 extra: touchline_documents::document::Extra::new(),
                 pan_deg: -angle,
                 tilt_deg: -angle / 3.0,

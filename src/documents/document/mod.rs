@@ -77,7 +77,8 @@
 //! | `masks_px?` | boxes that give no features in this frame, px |
 //! | `labels_name?` | its name in another program's files, where that is not its picture's |
 //! | `lens?` | what its lens is known to be before it is solved: `focal_px`, `principal_point_px`, `k1?`, `k2?` ([`FrameLens`]) |
-//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`; absent: unsolved ([`FramePtz`]) |
+//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`, `imported?`; absent: unsolved ([`FramePtz`]) |
+//! | `ptz.imported?` | the camera that came, beside that on the base ([`ImportedCamera`]) |
 //! | `solution?` | below |
 //!
 //! A solution ([`Solution`]):
@@ -92,7 +93,7 @@
 //! | `samples?` | how many samples of painted lines took part |
 //! | `line_check?` | the evidence of the paint: `score`, `predicted`, `found`, `bare`, … ([`PaintEvidence`]) |
 //! | `proposed?` | what the program proposed before a person corrected it ([`Proposed`]) |
-//! | `imported?` | the camera that another program gave the frame, where mending replaced it ([`ImportedCamera`]) |
+//! | `imported?` | the camera that another program gave the frame, where another one replaced it ([`ImportedCamera`]) |
 //! | `timings_ms?` | `features`, `predict`, `pose` ([`TimingsMs`]) |
 //! | `verdict?` | on the clicks when they were solved |
 //! | `disputed?` | indices of clicks that disagree with the others |

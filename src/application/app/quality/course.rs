@@ -3,7 +3,6 @@
 use crate::app::review::disagrees;
 use crate::app::window_state::choices::TimeAxis;
 use touchline_calibration::calibrate::Disagreements;
-use touchline_core::camera::{PanTilt, PtzCamera};
 use touchline_core::geometry::AngleRange;
 use touchline_documents::document::{CameraId, Clip, Document, Frame, FrameStatus};
 
@@ -228,13 +227,9 @@ impl Course {
 fn imported_values(document: &Document, frame: &Frame, seen: &AngleRange) -> Option<[f64; 3]> {
     let imported = frame.solution.as_ref()?.imported.as_ref()?;
     let base = document.camera_of(frame)?.base_for(frame)?;
-    let (of_import, ptz) = imported.on_base_of(&base);
-    // The optical axis is the third row of the rotation from the world to the camera.
-    let cam_from_world = PtzCamera::new(of_import, ptz).cam_from_world();
-    let axis_in_base = base.base_from_world * cam_from_world.row(2).transpose();
-    let looks = PanTilt::from_direction(axis_in_base);
+    let looks = imported.ptz_on(&base);
     let pan = seen.unwrap_angle(looks.pan);
-    Some([pan.degrees(), looks.tilt.degrees(), imported.focal_px])
+    Some([pan.degrees(), looks.tilt.degrees(), looks.focal_px])
 }
 
 /// The position of a frame on a time axis: its index, or its time in the video, s.

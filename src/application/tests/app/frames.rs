@@ -6,10 +6,13 @@ use touchline_application::app::session::{Filter, PictureView};
 use touchline_application::app::{
     Action, Command, EditAction, MaskList, MaskScope, Navigation, PointerAction, ViewAction,
 };
-use touchline_core::camera::Ptz;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera, Radial};
 use touchline_core::geometry::{ImagePoint, Vec3};
 use touchline_core::testing::pixel_box;
-use touchline_documents::document::{FrameStatus, RejectReason};
+use touchline_documents::document::{
+    Frame, FrameStatus, ImportedCamera, RejectReason, SolutionSource,
+};
+use touchline_documents::testing::solved_by;
 
 #[test]
 fn accept_is_refused_while_a_point_has_no_name_or_nothing_is_solved() {
@@ -119,6 +122,42 @@ fn numbers_by_hand_move_the_overlay_in_one_step_and_clicks_can_decide_again() {
         solved,
         "numbers that are none are not taken"
     );
+}
+
+#[test]
+fn a_frame_imported_beside_its_camera_is_solved_on_it_and_undo_gives_back_what_came() {
+    let mut document = document(1, true);
+    let frame: &mut Frame = &mut document.frames[0];
+    frame.status = FrameStatus::Suggested;
+    frame.solution = solved_by(SolutionSource::Import);
+    frame.point(Ptz::from_degrees(2.0, -14.0, 1500.0), Radial::default());
+    let mut beside = document.ptz_camera(&document.frames[0]).unwrap();
+    beside = PtzCamera::new(
+        CameraBase {
+            position_m: beside.base().position_m.add_scalar(0.2),
+            ..*beside.base()
+        },
+        beside.ptz(),
+    );
+    let came = ImportedCamera::new(&beside, None, None).unwrap();
+    let frame: &mut Frame = &mut document.frames[0];
+    frame.ptz.as_mut().unwrap().imported = Some(Box::new(came.clone()));
+    let mut bench = Bench::new(document);
+    let shown = |bench: &Bench| bench.app.current().camera.unwrap();
+    let base = bench.app.current().base.unwrap();
+    let off_m = shown(&bench).base().position_m - beside.base().position_m;
+    assert!(off_m.norm() < 1e-12, "it is shown as it came");
+    for name in ["centre_mark", "halfway_far"] {
+        bench.place(name);
+    }
+    assert_eq!(shown(&bench).base(), &base);
+    let recorded = bench.frame().solution.as_ref().unwrap().imported.clone();
+    assert_eq!(recorded, Some(came.clone()));
+    bench.command(Command::Undo);
+    bench.command(Command::Undo);
+    let ptz = bench.frame().ptz.clone().unwrap();
+    assert_eq!(ptz.imported.as_deref(), Some(&came));
+    assert_eq!(shown(&bench).base().position_m, beside.base().position_m);
 }
 
 #[test]

@@ -184,6 +184,7 @@ pub(super) fn forget_certainty(frame: &mut Frame) {
 
 /// Removes what was proposed for a frame. The camera that another program gave it is kept.
 pub(crate) fn withdraw(frame: &mut Frame) {
+    frame.keep_imported();
     frame.ptz = None;
     let imported = frame.take_imported();
     frame.solution = imported.map(|imported| Solution {

@@ -17,8 +17,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{
-    Camera, CameraId, Document, Edit, Frame, FrameId, FramePtz, Shared, Solution, SolutionSource,
-    Step, Suggestion, SuggestionChange,
+    Camera, CameraId, Document, Edit, Frame, FrameId, FramePtz, ImportedCamera, Shared, Solution,
+    SolutionSource, Step, Suggestion, SuggestionChange,
 };
 
 /// A result for a frame, to be suggested.
@@ -558,15 +558,23 @@ struct UpdatedView {
     given: usize,
 }
 
-/// The camera that mending replaced by this suggestion, from the record that it keeps: in a project
+/// The camera of another program that this suggestion replaced, from the record that it keeps: in a project
 /// that was opened again, there is nothing else of it.
 fn recorded_import(mended: &Suggestion, camera: &Camera) -> Option<Suggestion> {
-    let solution = mended.solution.as_ref()?;
-    let (base, ptz) = solution.imported.as_ref()?.on_base_of(&camera.base()?);
+    let imported = mended.solution.as_ref()?.imported.as_ref()?;
+    let base = camera.base()?;
     Some(Suggestion {
         revision: 0,
         base: Some(base),
-        ptz: Some(FramePtz::new(ptz, None)),
+        // It stays a frame of this camera, and keeps the place that it came with: a camera for each
+        // of thousands of frames could neither be tracked nor refined.
+        ptz: Some(FramePtz {
+            imported: Some(Box::new(ImportedCamera {
+                moved_px: None,
+                ..imported.clone()
+            })),
+            ..FramePtz::new(imported.ptz_on(&base), None)
+        }),
         solution: Some(Solution {
             source: Some(SolutionSource::Import),
             ..Solution::default()

@@ -39,9 +39,10 @@ impl Frame {
         targets.map(Target::equations).sum::<usize>() >= ENOUGH_EQUATIONS
     }
 
-    /// Sets pan, tilt, focal length and the lens at this focal length. Other keys of the document
-    /// are kept.
+    /// Sets pan, tilt, focal length and the lens at this focal length, on the base of its camera.
+    /// Other keys of the document are kept, and an imported camera beside the base on record.
     pub fn point(&mut self, ptz: Ptz, lens: Radial) {
+        self.keep_imported();
         let before = self.ptz.take();
         // A lens without distortion is stated only where the frame stated one before, so that
         // frames of a pinhole camera get no `k1` key.
@@ -62,6 +63,15 @@ impl Frame {
                 || known.confidence.is_some()
         });
         self.ptz.is_some() && !is_stated
+    }
+
+    /// Moves an imported camera that stands beside the base of its camera to the record, before
+    /// `ptz` is replaced.
+    pub fn keep_imported(&mut self) {
+        if let Some(came) = self.ptz.as_mut().and_then(|ptz| ptz.imported.take()) {
+            let solution = self.solution.get_or_insert_default();
+            solution.imported.get_or_insert(*came);
+        }
     }
 
     /// Takes the record of the camera that another program gave it, which outlives the cameras that
@@ -174,6 +184,9 @@ impl Frame {
         let Some(proposed) = solution.proposed.take() else {
             return false;
         };
+        // A proposal that is the imported camera needs no record of that beside it.
+        let imported = solution.imported.take();
+        let imported = imported.filter(|_| proposed.ptz.imported.is_none());
         self.ptz = Some(proposed.ptz);
         // As in `record`, what other programs stated stays.
         *solution = Solution {
@@ -182,7 +195,7 @@ impl Frame {
             worst_corner_sigma_px: proposed.worst_corner_sigma_px,
             source: Some(proposed.source),
             confidence: proposed.confidence,
-            imported: solution.imported.take(),
+            imported,
             extra: std::mem::take(&mut solution.extra),
             ..Solution::default()
         };

@@ -26,8 +26,16 @@ impl<'a> Moment<'a> {
         self.run
     }
 
+    /// A frame of a video, by its number there.
+    pub(crate) const fn in_video(path: &'a str, number: u64) -> Self {
+        Self {
+            run: [path, ""],
+            number,
+        }
+    }
+
     /// The last run of digits in a name without its ending.
-    fn from_name(name: &'a str) -> Option<Self> {
+    pub(crate) fn from_name(name: &'a str) -> Option<Self> {
         // An ending of digits alone belongs to the name: `frame.000017`.
         let stem = match name.rsplit_once('.') {
             Some((stem, ending)) if !ending.bytes().all(|byte| byte.is_ascii_digit()) => stem,
@@ -47,10 +55,7 @@ impl Frame {
     /// for an image without a number.
     pub fn moment(&self) -> Option<Moment<'_>> {
         match (&self.video, &self.image) {
-            (Some(video), _) => Some(Moment {
-                run: [&video.path, ""],
-                number: video.frame_index,
-            }),
+            (Some(video), _) => Some(Moment::in_video(&video.path, video.frame_index)),
             (None, Some(image)) => Moment::from_name(image),
             (None, None) => None,
         }

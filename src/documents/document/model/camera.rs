@@ -334,9 +334,17 @@ impl Camera {
         Some(base)
     }
 
-    /// The camera of a solved frame at its pan, tilt and focal length; none without a base or the
-    /// frame's `ptz`.
+    /// The camera of a solved frame: as it was imported, where `ptz` says so, else on the base;
+    /// none without a base or the frame's `ptz`.
     pub fn ptz_camera(&self, frame: &Frame) -> Option<PtzCamera> {
+        let on_base = self.ptz_camera_on_base(frame)?;
+        let imported = frame.ptz.as_ref()?.imported.as_ref();
+        Some(imported.map_or(on_base, |imported| imported.camera_like(&on_base)))
+    }
+
+    /// The camera of a solved frame at its pan, tilt and focal length on this camera's base, where
+    /// solving it again starts.
+    pub fn ptz_camera_on_base(&self, frame: &Frame) -> Option<PtzCamera> {
         Some(PtzCamera::new(
             self.base_for(frame)?,
             frame.ptz.as_ref()?.ptz(),

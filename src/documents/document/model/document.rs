@@ -203,7 +203,7 @@ impl Document {
             .unwrap_or(&self.field)
     }
 
-    /// The camera of a solved frame at its pan, tilt and focal length.
+    /// The camera of a solved frame, as it is shown and exported.
     pub fn ptz_camera(&self, frame: &Frame) -> Option<PtzCamera> {
         self.camera_of(frame)?.ptz_camera(frame)
     }

@@ -1,10 +1,10 @@
-//! The camera that another program gave a frame, kept beside the one that replaced it.
+//! The camera that another program gave a frame, kept beside the one on its camera's base.
 
 use super::adapters;
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
-use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
-use touchline_core::geometry::{Angle, Vec3};
+use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::geometry::{Angle, Mat3, Vec3};
 
 /// Less roll than this is none: the rounding of a recorded camera.
 const LEVEL_DEG: f64 = 1e-6;
@@ -85,25 +85,60 @@ impl ImportedCamera {
 }
 
 impl ImportedCamera {
+    /// The rotation from `world` to `cam`.
+    fn cam_from_world(&self) -> Mat3 {
+        let [heading, pitch, roll] =
+            [self.heading_deg, self.pitch_deg, self.roll_deg].map(Angle::from_degrees);
+        let angles = BaseAngles {
+            heading,
+            pitch,
+            roll,
+        };
+        angles.base_from_world()
+    }
+
+    /// This camera with the lens of another, and with pan and tilt of that: what is left of its
+    /// rotation is that of its base. It states no σ of a base.
+    pub fn camera_like(&self, like: &PtzCamera) -> PtzCamera {
+        let cam_from_base = like.cam_from_world() * like.base().base_from_world.transpose();
+        let base = CameraBase {
+            position_m: self.position_m,
+            base_from_world: cam_from_base.transpose() * self.cam_from_world(),
+            sigma: BaseSigma::default(),
+            ..*like.base()
+        };
+        let ptz = Ptz {
+            focal_px: self.focal_px,
+            ..like.ptz()
+        };
+        PtzCamera::new(base, ptz)
+    }
+
+    /// Pan and tilt with which it looks where it does from another base, and its focal length.
+    pub fn ptz_on(&self, base: &CameraBase) -> Ptz {
+        // The optical axis is the third row of the rotation from the world to the camera.
+        let axis = self.cam_from_world().row(2).transpose();
+        let looks = PanTilt::from_direction(base.base_from_world * axis);
+        Ptz {
+            pan: looks.pan,
+            tilt: looks.tilt,
+            focal_px: self.focal_px,
+        }
+    }
+
     /// The base of the camera, with principal point and lens of `like`, and pan, tilt and focal
     /// length on it. Cameras without roll at one place have one base.
     pub fn on_base_of(&self, like: &CameraBase) -> (CameraBase, Ptz) {
-        let [heading, pitch, roll] =
-            [self.heading_deg, self.pitch_deg, self.roll_deg].map(Angle::from_degrees);
         let is_level = self.roll_deg.abs() < LEVEL_DEG;
-        let (angles, pan_deg, tilt_deg) = if is_level {
-            (BaseAngles::default(), self.heading_deg, self.pitch_deg)
+        let (base_from_world, pan_deg, tilt_deg) = if is_level {
+            let level = BaseAngles::default().base_from_world();
+            (level, self.heading_deg, self.pitch_deg)
         } else {
-            let angles = BaseAngles {
-                heading,
-                pitch,
-                roll,
-            };
-            (angles, 0.0, 0.0)
+            (self.cam_from_world(), 0.0, 0.0)
         };
         let base = CameraBase {
             position_m: self.position_m,
-            base_from_world: angles.base_from_world(),
+            base_from_world,
             sigma: BaseSigma::default(),
             ..*like
         };
@@ -114,8 +149,11 @@ impl ImportedCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::{Camera, Frame, FramePtz};
+    use crate::testing::new_frame;
+    use touchline_core::camera::Radial;
     use touchline_core::geometry::ImageSize;
-    use touchline_core::testing::TestBase;
+    use touchline_core::testing::{SIZE, TestBase, base_at, turned_base};
 
     #[test]
     fn a_camera_is_recorded_as_it_looks_and_survives_the_file() {
@@ -159,5 +197,32 @@ mod tests {
             ..base
         };
         assert!(ImportedCamera::new(&PtzCamera::new(nowhere, camera.ptz()), None, None).is_none());
+    }
+
+    #[test]
+    fn a_frame_beside_its_base_shows_what_came_until_it_is_solved() {
+        let came = turned_base([0.4, -60.2, 18.1], [0.0, 0.3, 1.1], SIZE).aim(12.0, -9.0, 2400.0);
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base_at([0.0, -60.0, 18.0], SIZE));
+        let recorded = ImportedCamera::new(&came, None, None).unwrap();
+        let mut frame = new_frame("1.jpg", SIZE);
+        frame.ptz = Some(FramePtz {
+            imported: Some(Box::new(recorded.clone())),
+            ..FramePtz::new(Ptz::from_degrees(12.1, -9.1, 2390.0), None)
+        });
+        let text = serde_json::to_string(&frame).unwrap();
+        assert_eq!(serde_json::from_str::<Frame>(&text).unwrap(), frame);
+        let shown = camera.ptz_camera(&frame).unwrap();
+        assert!((shown.cam_from_world() - came.cam_from_world()).amax() < 1e-14);
+        assert_eq!(shown.base().position_m, came.base().position_m);
+        assert_eq!(shown.ptz(), Ptz::from_degrees(12.1, -9.1, 2400.0));
+
+        let solved = Ptz::from_degrees(12.2, -9.2, 2410.0);
+        frame.point(solved, Radial::default());
+        let now = camera.ptz_camera(&frame).unwrap();
+        assert_eq!(now.base(), &camera.base().unwrap());
+        assert!((now.ptz().tilt - solved.tilt).radians().abs() < 1e-12);
+        // The frame says what it showed before.
+        assert_eq!(frame.take_imported(), Some(recorded));
     }
 }

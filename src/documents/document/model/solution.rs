@@ -40,6 +40,12 @@ pub struct FramePtz {
         skip_serializing_if = "Option::is_none"
     )]
     pub k2: Option<f64>,
+    /// The camera of this frame as another program gave it, if that stands not quite on the base
+    /// of its camera: sensors on a tripod, and programs that calibrate a video frame by frame,
+    /// state a place and a roll for every frame. The frame is drawn, exported and compared with
+    /// it; pan, tilt and focal length beside it are the nearest ones on the base.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imported: Option<Box<ImportedCamera>>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -56,6 +62,7 @@ impl FramePtz {
             focal_px: ptz.focal_px,
             k1: lens.map(|lens| lens.k1),
             k2: lens.map(|lens| lens.k2).filter(|k2| *k2 != 0.0),
+            imported: None,
             extra: Extra::new(),
         }
     }
@@ -135,7 +142,7 @@ pub struct Solution {
     /// The camera that it had before a person corrected it with clicks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proposed: Option<Proposed>,
-    /// The camera that another program gave the frame, where mending replaced it.
+    /// The camera that another program gave the frame, where another one replaced it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<ImportedCamera>,
     /// What finding it took.

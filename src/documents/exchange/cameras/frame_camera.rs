@@ -2,6 +2,7 @@
 //! base and pan and tilt.
 
 use crate::document::{FrameStatus, Ground, SolutionSource};
+use nalgebra::Rotation3;
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
 use touchline_core::geometry::rotation::{
     ROTATION_TOLERANCE, distance_from_rotation, nearest_rotation,
@@ -10,6 +11,9 @@ use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 
 use crate::exchange::error::Problem;
 use crate::exchange::rate::Rate;
+
+/// Where a camera shows no ground, the point in the middle is taken to be this far away, m.
+const AWAY_M: f64 = 60.0;
 
 /// The projection of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,6 +85,17 @@ pub struct FrameCamera {
     pub remark: Option<&'static str>,
     /// Why it has no camera, where its file is damaged.
     pub unreadable: Option<Unreadable>,
+    /// The base that it shares with other frames, whose places waver about it.
+    pub common_base: Option<CommonBase>,
+}
+
+/// A base that the frames of one camera share, although each states a place of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CommonBase {
+    /// Tells it from the others of an import.
+    pub number: usize,
+    /// The base; its lens is not stated.
+    pub base: CameraBase,
 }
 
 /// Further data of a frame besides its camera.
@@ -134,6 +149,7 @@ impl FrameCamera {
             off_px: 0.0,
             remark: None,
             unreadable: None,
+            common_base: None,
         }
     }
 
@@ -315,6 +331,28 @@ impl Pinhole {
             base,
             Ptz::from_degrees(0.0, 0.0, self.focal_px),
         ))
+    }
+
+    /// The camera at another place, aimed at the point that it showed in the middle and zoomed to
+    /// show it as large.
+    #[must_use]
+    pub fn move_to(&self, place_m: Vec3) -> Self {
+        let axis = self.cam_from_world.row(2).transpose();
+        let to_ground_m = -self.position_m.z / axis.z;
+        let away_m = if to_ground_m > 0.0 && to_ground_m < 10.0 * AWAY_M {
+            to_ground_m
+        } else {
+            AWAY_M
+        };
+        let point = self.position_m + axis * away_m;
+        // The vector product of two unit vectors is the turn itself as long as it is small.
+        let turn = (point - place_m).normalize().cross(&axis);
+        Self {
+            cam_from_world: self.cam_from_world * Rotation3::new(turn).matrix(),
+            position_m: place_m,
+            focal_px: self.focal_px * (point - place_m).norm() / away_m,
+            ..*self
+        }
     }
 
     /// Its lens as a curve that is constant over the focal length.

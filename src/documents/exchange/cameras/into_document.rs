@@ -3,7 +3,7 @@
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::document::{
     Camera, CameraId, Distortion, Document, FieldSpec, Frame, FrameLens, FramePtz, FrameStatus,
-    Shared, Solution, SolutionSource, VideoFrame,
+    ImportedCamera, Shared, Solution, SolutionSource, VideoFrame,
 };
 use nalgebra::SymmetricEigen;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,8 +17,11 @@ pub(super) const SAME_PLACE_M: f64 = 1e-6;
 /// The minimum spread of pans that determines the pan axis: the second smallest eigenvalue of the
 /// mean of x xᵀ over the frames' x axes.
 const MIN_PAN_SPREAD: f64 = 1e-6;
-/// A roll of frames of one place that no common axis explains is dropped up to this angle: 0.2 px at
-/// the border of a picture of 1920 px. Trackers leave as much of it in each frame.
+/// A roll of frames of one place that no common axis explains is rounding up to this angle, and
+/// dropped: 0.001 px at the border of a picture of 1920 px.
+pub(super) const ROUNDING_RAD: f64 = 1e-6;
+/// Up to this angle, frames of one place share a camera and keep what they roll. Trackers leave as
+/// much of it in each frame.
 const SMALL_ROLL_RAD: f64 = 2e-4;
 /// Ground farther from the middle of the field is not used to fit a camera, m.
 const WIDEST_GROUND_M: f64 = 150.0;
@@ -62,30 +65,30 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
         let common_lens = lens_of(&views);
         // Frames of one position without a common pan axis get a camera each. A lens that no curve
         // describes leaves its frame out; `Pinhole::validate` refuses such lenses.
-        let axis = pan_axis(&views, exact.angle_rad).or_else(|| pan_axis(&views, SMALL_ROLL_RAD));
-        let parts: Vec<(Vec<usize>, Vec3)> = match axis {
-            Some(axis) => vec![(group, axis)],
-            None => group
-                .into_iter()
-                .map(|index| (vec![index], upright_axis(&frames[index].2)))
-                .collect(),
+        let parts = match frames[group[0]].0.common_base {
+            Some(common) => vec![OnBase {
+                members: group,
+                base: common.base,
+                keeps_own: true,
+            }],
+            None => parts_with_an_axis(frames, group, &views, exact),
         };
-        for (members, axis) in parts {
+        for part in parts {
+            let OnBase {
+                members,
+                base,
+                keeps_own,
+            } = part;
             let (first, size, view) = &frames[members[0]];
             // Frames without a common lens keep their own beside that of the first.
             let has_own_lens = common_lens.is_none() && members.len() > 1;
             let Some(curve) = common_lens.or_else(|| view.curve()) else {
                 continue;
             };
-            // The gauge of pan zero is that of the program (`rotation_about`), so that cameras of
-            // one place have comparable pans, whatever the file counts from.
             let base = CameraBase {
                 distortion: curve,
-                ..CameraBase::new(
-                    view.position_m,
-                    CameraBase::rotation_about(&axis),
-                    view.principal_point,
-                )
+                principal_point: view.principal_point,
+                ..base
             };
             // A format without names of cameras gives `main`.
             let name = first.camera.as_deref().filter(|name| !name.is_empty());
@@ -99,16 +102,25 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             for index in members {
                 let view = &frames[index].2;
                 // Q_tilt · Q_pan of the view (`conventions`): its first row is (cos θ, 0, −sin θ),
-                // its second column (0, cos φ, −sin φ). What is left of a roll within the
-                // tolerance is dropped.
-                let turned = view.cam_from_world * base.base_from_world.transpose();
+                // its second column (0, cos φ, −sin φ). What is left of a roll is rounding, or kept
+                // as it was imported.
+                let on_base = if keeps_own {
+                    view.move_to(base.position_m)
+                } else {
+                    *view
+                };
+                let turned = on_base.cam_from_world * base.base_from_world.transpose();
                 let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
                 let tilt = Angle::from_radians((-turned[(2, 1)]).atan2(turned[(1, 1)]));
                 let ptz = Ptz {
                     pan,
                     tilt,
-                    focal_px: view.focal_px,
+                    focal_px: on_base.focal_px,
                 };
+                let imported = Some(view)
+                    .filter(|_| keeps_own)
+                    .and_then(Pinhole::ptz_camera)
+                    .and_then(|camera| ImportedCamera::new(&camera, None, None));
                 // The frame records the lens as the curve gives it, within `SAME_LENS` of the one
                 // that was read.
                 let radial = if has_own_lens {
@@ -119,7 +131,10 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                 let recorded = Some(radial).filter(|lens| !lens.is_none());
                 made[index] = Some(Solved {
                     camera: id.clone(),
-                    ptz: FramePtz::new(ptz, recorded),
+                    ptz: FramePtz {
+                        imported: imported.map(Box::new),
+                        ..FramePtz::new(ptz, recorded)
+                    },
                     lens: has_own_lens
                         .then(|| FrameLens::new(view.focal_px, view.principal_point, view.lens)),
                 });
@@ -142,6 +157,48 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
         }
     }
     document
+}
+
+/// Frames (by index) on one base.
+struct OnBase {
+    members: Vec<usize>,
+    base: CameraBase,
+    /// Whether they stand or roll a little beside it, and keep how they came.
+    keeps_own: bool,
+}
+
+/// The bases of frames at one place (by index): one for all if they have a common pan axis, else
+/// one for each.
+fn parts_with_an_axis(
+    frames: &[View],
+    group: Vec<usize>,
+    views: &[&Pinhole],
+    exact: Exactness,
+) -> Vec<OnBase> {
+    // The gauge of pan zero is that of the program (`rotation_about`), so that cameras of one place
+    // have comparable pans, whatever the file counts from.
+    let base_at = |index: usize, axis: &Vec3| {
+        let view = &frames[index].2;
+        let rotation = CameraBase::rotation_about(axis);
+        CameraBase::new(view.position_m, rotation, view.principal_point)
+    };
+    let rounding_rad = exact.angle_rad.max(ROUNDING_RAD);
+    let exact_axis = pan_axis(views, exact.angle_rad).or_else(|| pan_axis(views, rounding_rad));
+    let keeps_own = exact_axis.is_none();
+    if let Some(axis) = exact_axis.or_else(|| pan_axis(views, SMALL_ROLL_RAD)) {
+        let base = base_at(group[0], &axis);
+        return vec![OnBase {
+            members: group,
+            base,
+            keeps_own,
+        }];
+    }
+    let alone = group.into_iter().map(|index| OnBase {
+        members: vec![index],
+        base: base_at(index, &upright_axis(&frames[index].2)),
+        keeps_own: false,
+    });
+    alone.collect()
 }
 
 /// What the document says of the camera of a frame.
@@ -190,14 +247,24 @@ pub(in crate::exchange) fn unsolved_frame(
     }
 }
 
-/// Groups of frames (by index) that may share a camera: equal position, camera name and size.
+/// Groups of frames (by index) that may share a camera: a common base, or equal position, camera
+/// name and size.
 pub(super) fn group_by_position(frames: &[View], place_m: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     // A hash grid of the groups' first frames, with cells of the tolerance's size, because a data
     // set may have a different position for every frame. Frames within the tolerance lie in
     // touching cells.
     let mut by_cell: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
+    let mut by_base: BTreeMap<usize, usize> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
+        if let Some(common) = frame.0.common_base {
+            let group = *by_base.entry(common.number).or_insert(groups.len());
+            if group == groups.len() {
+                groups.push(Vec::new());
+            }
+            groups[group].push(index);
+            continue;
+        }
         let cell = [0, 1, 2].map(|axis: usize| (frame.2.position_m[axis] / place_m).floor() as i64);
         // The earliest group within reach: as if all groups were compared in their order.
         let near = cells_around(cell)
@@ -274,7 +341,7 @@ impl FreeNames {
 
 /// The common pan axis of all views, upwards (`world`): the vertical if it fits, else the direction
 /// perpendicular to all of their x axes. None if no axis fits within `tolerance_rad`.
-fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
+pub(super) fn pan_axis(views: &[&Pinhole], tolerance_rad: f64) -> Option<Vec3> {
     let upright = Vec3::z();
     if is_pan_axis(&upright, views, tolerance_rad) {
         return Some(upright);

@@ -7,6 +7,7 @@
 
 pub mod body_angles;
 pub mod camera_format;
+pub mod common_base;
 pub mod frame_camera;
 pub mod ground_fit;
 pub mod held;

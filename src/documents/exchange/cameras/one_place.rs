@@ -6,21 +6,22 @@
 //! show the same point in the middle as before: what is left is a parallax of hundredths of a
 //! pixel, which the import states.
 
+use super::frame_camera::Pinhole;
 use super::into_document::{SAME_PLACE_M, View, group_by_position};
-use nalgebra::Rotation3;
 use touchline_core::geometry::Vec3;
 
 /// Two places of one camera's frames that differ by at most this along each axis are one, m. No
 /// two cameras stand as near to each other, and no survey tells such places apart.
 const WAVER_M: f64 = 5e-3;
 
-/// Where a camera shows no ground, the point in the middle is taken to be this far away, m.
-const AWAY_M: f64 = 60.0;
-
 /// Puts views that waver about a place on it. Views on one exact place stay as they are.
 pub fn put_on_one_place(views: &mut [View]) {
     for group in group_by_position(views, WAVER_M) {
         let first = views[group[0]].2.position_m;
+        // Frames of one video keep their own places, whatever these are.
+        if views[group[0]].0.common_base.is_some() {
+            continue;
+        }
         // What rounding alone leaves is no wavering, and such cameras keep their last digits.
         let is_exact = |&index: &usize| (views[index].2.position_m - first).amax() <= SAME_PLACE_M;
         if group.iter().all(is_exact) {
@@ -29,25 +30,13 @@ pub fn put_on_one_place(views: &mut [View]) {
         let offsets = group.iter().map(|&index| views[index].2.position_m - first);
         let place_m = first + offsets.sum::<Vec3>() / group.len() as f64;
         for index in group {
-            move_to(&mut views[index], place_m);
+            let view = &mut views[index].2;
+            *view = Pinhole {
+                focal_px: view.focal_px,
+                ..view.move_to(place_m)
+            };
         }
     }
-}
-
-/// Moves a camera, and aims it at the point that it showed in the middle.
-fn move_to((_, _, view): &mut View, place_m: Vec3) {
-    let axis = view.cam_from_world.row(2).transpose();
-    let to_ground_m = -view.position_m.z / axis.z;
-    let away_m = if to_ground_m > 0.0 && to_ground_m < 10.0 * AWAY_M {
-        to_ground_m
-    } else {
-        AWAY_M
-    };
-    let point = view.position_m + axis * away_m;
-    // The vector product of two unit vectors is the turn itself as long as it is small.
-    let turn = (point - place_m).normalize().cross(&axis);
-    view.cam_from_world *= Rotation3::new(turn).matrix();
-    view.position_m = place_m;
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::imported::Imported;
 use super::pictures::{image_of, refuse_shared_pictures};
 use crate::document::{Camera, CameraId, Document, FrameStatus, path_between};
 use crate::exchange::cameras::camera_format::CameraFormat;
+use crate::exchange::cameras::common_base::find_common_bases;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Unreadable};
 use crate::exchange::cameras::ground_fit::misfit_px;
 use crate::exchange::cameras::into_document::{View, camera_of};
@@ -118,6 +119,7 @@ pub fn import_cameras(
     notes.extend(remark_notes(&frames));
     notes.extend(camera_format.unread(&files));
     let given: Vec<Pinhole> = views.iter().map(|(_, _, view)| *view).collect();
+    notes.extend(find_common_bases(&mut views, camera_format.exactness()));
     put_on_one_place(&mut views);
     let mut document = camera_format.document(options.field.clone(), &views);
     notes.extend(moved_note(&document, &given));
@@ -151,7 +153,7 @@ impl ImportOptions {
 }
 
 /// The note about frames that the document shows a little otherwise than the file, because their
-/// cameras waver about a place, or roll by more than the axis of that place explains.
+/// cameras waver about a place.
 fn moved_note(document: &Document, given: &[Pinhole]) -> Option<String> {
     let cameras: BTreeMap<&CameraId, &Camera> = document
         .cameras
@@ -174,8 +176,7 @@ fn moved_note(document: &Document, given: &[Pinhole]) -> Option<String> {
     let seen: Vec<f64> = off_px.filter(|off_px| *off_px > SEEN_PX).collect();
     let worst_px = seen.iter().copied().reduce(f64::max)?;
     Some(format!(
-        "{} waver about their place or roll about their axis by a hair, which is left out: at most \
-         {worst_px:.3} px",
+        "{} waver about their place by a hair, which is left out: at most {worst_px:.3} px",
         pluralise(seen.len(), "camera")
     ))
 }

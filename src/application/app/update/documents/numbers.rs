@@ -54,6 +54,7 @@ impl App {
                 (_, Some(before)) => before.lens(),
                 _ => None,
             };
+            frame.keep_imported();
             let extra = frame.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
             frame.ptz = Some(FramePtz {
                 extra,

@@ -3,7 +3,7 @@ use super::*;
 use touchline_core::camera::{Ptz, Radial};
 use touchline_core::geometry::Vec3;
 use touchline_core::testing::{SIZE, base_at};
-use touchline_documents::document::{Clip, Frame, VideoFrame};
+use touchline_documents::document::{Clip, Frame, ImportedCamera, VideoFrame};
 use touchline_documents::testing::{soccer_document, solved_by};
 
 const MAIN_M: Vec3 = Vec3::new(1.0, -70.0, 18.0);
@@ -110,6 +110,34 @@ fn cameras_out_of_line_are_replaced_by_those_between_their_neighbours() {
     assert!(warning(&document, 20).1.contains("focal length"));
     assert!(solution(11).warnings.is_empty());
     assert!(!mended.has_moved_many());
+}
+
+#[test]
+fn frames_that_waver_about_one_camera_are_mended_as_if_each_had_its_own() {
+    let mut apart = document(40);
+    apart.frames[10].point(Ptz::from_degrees(12.0, -12.0, 2400.0), Radial::default());
+    // The same cameras as frames of the first one, which keep what they came with.
+    let mut together = apart.clone();
+    for (index, frame) in apart.frames.iter().enumerate() {
+        let came = ImportedCamera::new(&apart.ptz_camera(frame).unwrap(), None, None);
+        let frame: &mut Frame = &mut together.frames[index];
+        frame.camera = "main-0".into();
+        frame.ptz.as_mut().unwrap().imported = came.map(Box::new);
+    }
+    together.cameras.truncate(1);
+    let before = together.clone();
+    let [of_apart, of_together] = [&mut apart, &mut together].map(mend);
+    assert_eq!(of_together.places[0].members, of_apart.places[0].members);
+    assert_eq!(of_together.moved_far.len(), of_apart.moved_far.len());
+    assert_eq!((together.cameras.len(), apart.cameras.len()), (1, 1));
+    assert!(worst_moved_px(&apart, &together) < 1e-6);
+    for (now, came) in together.frames.iter().zip(&before.frames) {
+        let came = came.ptz.as_ref().unwrap().imported.as_ref().unwrap();
+        assert_eq!(now.ptz.as_ref().unwrap().imported, None);
+        let kept = now.solution.as_ref().unwrap().imported.as_ref().unwrap();
+        assert_eq!(kept.position_m, came.position_m);
+        assert!((kept.heading_deg - came.heading_deg).abs() < 1e-9);
+    }
 }
 
 #[test]
