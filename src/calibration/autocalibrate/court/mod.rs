@@ -284,14 +284,14 @@ fn adjust_to_paint(
 fn adjust_to_places(
     field: &FieldModel,
     size: ImageSize,
-    camera: PtzCamera,
+    camera: &PtzCamera,
     places: Vec<Observation>,
 ) -> Option<PtzCamera> {
     let frames = [FrameClicks {
         observations: places,
         start: Some(camera.ptz()),
     }];
-    Some(adjust(field, size, std::iter::once(camera), &frames)?[0])
+    Some(adjust(field, size, std::iter::once(*camera), &frames)?[0])
 }
 
 /// Adjusts the base of some cameras and their views. None where a frame has too few observations,

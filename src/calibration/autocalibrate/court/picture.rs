@@ -117,7 +117,7 @@ fn cameras_on_lines(shown: &ShownLines<'_>) -> Vec<PtzCamera> {
         for _ in 0..ROUNDS_ON_LINES {
             let agreement = shown.compare(&pose_of(&camera))?;
             let places = shown.observations(&agreement);
-            camera = adjust_to_places(shown.field, shown.size, camera, places)?;
+            camera = adjust_to_places(shown.field, shown.size, &camera, places)?;
         }
         Some((camera, shown.compare(&pose_of(&camera))?.score()))
     };
