@@ -150,8 +150,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The camera of a court by the lines of single pictures. None on larger fields, where these are
-    /// not decisive, and where a click contradicts them.
+    /// The camera of a court by the lines of single pictures. None on larger fields, where these
+    /// are not decisive, and where a click contradicts them.
     fn find_court(
         &self,
         picture: PictureOfFrame<'_>,

@@ -20,7 +20,7 @@
 //!
 //! | stage | file | robust against |
 //! |---|---|---|
-//! | 0. On a court: the camera by the straight lines of single pictures, which often show it whole | `court/` | cameras that do not turn; grounds of several colours |
+//! | 0. Courts: a camera by the lines of single pictures | `court/` | still cameras, any colours |
 //! | 1. Features and marking pixels of each sampled frame | `frames/sampled_frames.rs` | – |
 //! | 2. Pairwise matches; the largest connected group; relative rotations, zoom and lens | `frames/matched_frames.rs`, [`touchline_vision::track`] | wrong matches (MAGSAC, loops of three frames), burnt-in graphics, frames of another camera |
 //! | 3. Persistent paint as directions | `frames/matched_frames.rs`, [`touchline_vision::paint::persistent_paint`] | players, shadows, boards |

@@ -40,8 +40,8 @@ const MIN_LEAD: f64 = 1.25;
 /// five of its lines, which nothing contradicts; cameras that are right show eight and more.
 const MIN_LINES: usize = 7;
 
-/// Minimum evidence by the paint, nats. It confirms, but does not choose: on clay, cameras of longer
-/// lines than there are collect more of it from scratches.
+/// Minimum evidence by the paint, nats. It confirms, but does not choose: on clay, cameras of lines
+/// longer than there are collect more of it from scratches.
 const MIN_NATS: f64 = 100.0;
 
 /// Maximum of what speaks against a camera where it has lines, as a share of what speaks for it,

@@ -7,7 +7,7 @@ use touchline_core::solve::{Observation, PlanePose};
 use touchline_vision::paint::StraightLine;
 
 /// Both ends of a line of the field lie within this of the line of the picture that shows it, px at
-/// 1920 px width: a camera from one rectangle is some px off elsewhere, and a pinhole bends no line.
+/// 1920 px width: a camera from one rectangle is some px off elsewhere, and a lens bends lines.
 const NEAR_PX: f64 = 14.0;
 
 /// Shorter lines say nothing, px at 1920 px width.

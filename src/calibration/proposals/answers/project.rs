@@ -558,8 +558,8 @@ struct UpdatedView {
     given: usize,
 }
 
-/// The camera of another program that this suggestion replaced, from the record that it keeps: in a project
-/// that was opened again, there is nothing else of it.
+/// The camera of another program that this suggestion replaced, from the record that it keeps: in a
+/// project that was opened again, there is nothing else of it.
 fn recorded_import(mended: &Suggestion, camera: &Camera) -> Option<Suggestion> {
     let imported = mended.solution.as_ref()?.imported.as_ref()?;
     let base = camera.base()?;

@@ -102,8 +102,8 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             for index in members {
                 let view = &frames[index].2;
                 // Q_tilt · Q_pan of the view (`conventions`): its first row is (cos θ, 0, −sin θ),
-                // its second column (0, cos φ, −sin φ). What is left of a roll is rounding, or kept
-                // as it was imported.
+                // its second column (0, cos φ, −sin φ). What is left of a roll is rounding, or is
+                // kept as it was imported.
                 let on_base = if keeps_own {
                     view.move_to(base.position_m)
                 } else {
