@@ -171,7 +171,11 @@ impl<'a> Search<'a> {
                 of: chosen.len(),
             },
         )?;
-        let frames: Vec<CourtFrame> = read_pictures(&chosen, picture)
+        let mut pictures = read_pictures(&chosen, picture);
+        // Pictures of another size are another camera's.
+        let size = pictures.first().map(|(_, picture)| picture.size());
+        pictures.retain(|(_, picture)| Some(picture.size()) == size);
+        let frames: Vec<CourtFrame> = pictures
             .iter()
             .map(|(index, picture)| {
                 let of_size = document.document.camera(camera);

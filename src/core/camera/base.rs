@@ -1,6 +1,6 @@
 //! The base: the parameters that are constant while the camera pans, tilts and zooms.
 
-use super::{BaseSigma, FocalCurve};
+use super::{BaseSigma, FocalCurve, PanTilt, Ptz};
 use crate::geometry::rotation::{q_pan, rotation_vector};
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
 use serde::Serialize;
@@ -116,6 +116,20 @@ impl CameraBase {
     /// The direction from the camera to a world point, in `base`, not normalised (m).
     pub fn base_from_world_point(&self, point_in_world: Vec3) -> Vec3 {
         self.base_from_world * (point_in_world - self.position_m)
+    }
+
+    /// Pan and tilt with which it looks where a camera with this rotation (`world` to `cam`) looks,
+    /// and that one's focal length, px.
+    #[doc(hidden)]
+    pub fn ptz_like(&self, cam_from_world: &Mat3, focal_px: f64) -> Ptz {
+        // The optical axis is the third row of the rotation.
+        let axis = cam_from_world.row(2).transpose();
+        let PanTilt { pan, tilt } = PanTilt::from_direction(self.base_from_world * axis);
+        Ptz {
+            pan,
+            tilt,
+            focal_px,
+        }
     }
 
     /// Whether all entries are finite.

@@ -6,6 +6,9 @@ use touchline_core::geometry::Vec3;
 /// Lines whose levels differ by at most this are one line with a gap, m.
 const SAME_LEVEL_M: f64 = 0.03;
 
+/// What lies within this share of the field's diagonal of a curve is a piece of it.
+const NEAR_CURVE_SHARE: f64 = 0.015;
+
 /// A painted line on the ground along an axis of the field.
 pub struct GridLine {
     /// Its index in the field.
@@ -20,6 +23,9 @@ pub struct Grid {
     along_y: Vec<GridLine>,
     /// What is straight and no paint on the ground: nets, posts, boards.
     standing: Vec<GridLine>,
+    /// Painted circles and arcs, pieces of which look straight.
+    curves: Vec<Curve>,
+    near_curve_m: f64,
 }
 
 impl Grid {
@@ -28,9 +34,12 @@ impl Grid {
             along_x: Vec::new(),
             along_y: Vec::new(),
             standing: Vec::new(),
+            curves: Vec::new(),
+            near_curve_m: NEAR_CURVE_SHARE * field.length_m.hypot(field.width_m),
         };
         for (line, of_field) in field.lines.iter().enumerate() {
             let Curve::Segment { from, to } = of_field.paint_centre else {
+                grid.curves.push(of_field.paint_centre);
                 continue;
             };
             let along = to - from;
@@ -47,6 +56,13 @@ impl Grid {
             }
         }
         grid
+    }
+
+    /// Whether a point of the ground lies on a circle or an arc.
+    pub fn is_on_curve(&self, at: Vec3) -> bool {
+        self.curves
+            .iter()
+            .any(|curve| curve.distance_m(at) <= self.near_curve_m)
     }
 
     pub fn standing(&self) -> impl Iterator<Item = &GridLine> {
@@ -87,5 +103,15 @@ mod tests {
         // The middles of the paint: 5 cm of 10 inside the baseline.
         assert!((x[0] + 11.885 - 0.05).abs() < 0.03, "{x:?}");
         assert!(y[2].abs() < 1e-9, "{y:?}");
+    }
+
+    #[test]
+    fn the_three_point_line_of_a_basketball_court_is_a_curve() {
+        let basketball = builtin("basketball_fiba").unwrap().default_model().unwrap();
+        let grid = Grid::of(&basketball);
+        // The middle of the basket is 1.575 m from the end line, the line 6.75 m from it.
+        let on_line = Vec3::new(-14.0 + 1.575 + 6.72, 0.0, 0.0);
+        assert!(grid.is_on_curve(on_line));
+        assert!(!grid.is_on_curve(on_line + Vec3::new(0.8, 0.0, 0.0)));
     }
 }

@@ -39,7 +39,7 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, Autocalibratio
 use crate::evidence::Evidence;
 use picture::{PictureCamera, camera_of_picture};
 use rayon::prelude::*;
-use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::solve::Observation;
@@ -64,8 +64,8 @@ const MAX_CONTRADICTED: f64 = 0.04;
 /// Maximum number of answers of single pictures that are tried on the others.
 const MAX_STARTS: usize = 3;
 
-/// Minimum share of the pictures that can be aligned with the base.
-const MIN_ALIGNED: f64 = 0.5;
+/// Minimum number of pictures that can be aligned with the base, where there are as many.
+const MIN_ALIGNED: usize = 2;
 
 /// Rounds of alignment and adjustment of the base.
 const ROUNDS: usize = 2;
@@ -116,7 +116,8 @@ struct OnBase {
 
 impl OnBase {
     /// Aligns frames with the base of one picture, and adjusts it to them. None where too few can
-    /// be aligned.
+    /// be aligned, or no more than decide for another base. Close-ups and other cameras' pictures
+    /// say nothing.
     fn settle(
         frames: &[CourtFrame],
         field: &FieldModel,
@@ -132,14 +133,20 @@ impl OnBase {
                 own.into_iter().chain([start.camera.ptz()]).collect()
             })
             .collect();
-        let min_aligned = ((MIN_ALIGNED * frames.len() as f64).ceil() as usize).max(1);
+        let is_outvoted = |aligned: &[Option<Snapped>]| {
+            let num_aligned = aligned.iter().flatten().count();
+            let elsewhere = aligned.iter().zip(alone).filter(|(aligned, alone)| {
+                aligned.is_none() && alone.is_some_and(|alone| alone.is_decided)
+            });
+            num_aligned < MIN_ALIGNED.min(frames.len()) || num_aligned <= elsewhere.count()
+        };
         for round in 0..=ROUNDS {
             let aligned: Vec<Option<Snapped>> = frames
                 .par_iter()
                 .zip(&views)
                 .map(|(frame, views)| align(frame, field, &base, views))
                 .collect();
-            if aligned.iter().flatten().count() < min_aligned {
+            if is_outvoted(&aligned) {
                 return None;
             }
             if round == ROUNDS {
@@ -244,13 +251,7 @@ fn view_from(base: &CameraBase, camera: &PtzCamera) -> Ptz {
     } else {
         camera
     };
-    let forward = camera.cam_from_world().row(2).transpose();
-    let PanTilt { pan, tilt } = PanTilt::from_direction(base.base_from_world * forward);
-    Ptz {
-        pan,
-        tilt,
-        focal_px: camera.ptz().focal_px,
-    }
+    base.ptz_like(&camera.cam_from_world(), camera.ptz().focal_px)
 }
 
 /// Cameras of one base, adjusted with it to the paint near their lines.

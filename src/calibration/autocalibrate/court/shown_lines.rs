@@ -145,21 +145,24 @@ impl ShownLines<'_> {
             .filter(|(line, [from, to])| {
                 PLACES_ON_FIELD.iter().all(|share| {
                     let at = line.point_at(from + (to - from) * share);
-                    self.is_on_field(camera, at)
+                    let on_ground = self.on_ground(camera, at);
+                    on_ground.is_some_and(|at| self.is_on_field(at) && !self.grid.is_on_curve(at))
                 })
             })
             .map(|(_, [from, to])| to - from)
             .sum()
     }
 
-    /// Whether a camera shows the field at a point of the picture.
-    fn is_on_field(&self, camera: &PlanePose, at: ImagePoint) -> bool {
+    /// The point of the ground that a camera shows at a point of the picture, `world`, m.
+    fn on_ground(&self, camera: &PlanePose, at: ImagePoint) -> Option<Vec3> {
         let offset = at.offset_from(self.principal_point) / camera.focal_px;
         let ray = camera.cam_from_world.transpose() * Vec3::new(offset.x, offset.y, 1.0);
-        let ground = camera.position_m - ray * (camera.position_m.z / ray.z);
-        ray.z < 0.0
-            && ground.x.abs() <= 0.5 * self.field.length_m
-            && ground.y.abs() <= 0.5 * self.field.width_m
+        let down = camera.position_m.z / -ray.z;
+        (ray.z < 0.0).then(|| camera.position_m + ray * down)
+    }
+
+    fn is_on_field(&self, at: Vec3) -> bool {
+        at.x.abs() <= 0.5 * self.field.length_m && at.y.abs() <= 0.5 * self.field.width_m
     }
 
     /// Places on the lines of the picture, as observations of the lines of the field.

@@ -97,15 +97,43 @@ fn a_court_of_another_sport_is_not_taken_for_it() {
     }
 }
 
-#[test]
-fn pictures_without_a_court_give_no_camera() {
-    let bare = CourtFrame {
-        index: 0,
+/// A close-up, say.
+fn bare() -> CourtFrame {
+    CourtFrame {
+        index: 9,
         ground: GroundPicture::new(&Picture::with_colour(SIZE, [90, 90, 90, 255]), &[]),
         principal_point: SIZE.centre(),
-    };
-    assert!(find_court_camera(&[bare], &field("tennis")).is_none());
-    assert!(find_court_camera(&[], &field("tennis")).is_none());
+    }
+}
+
+#[test]
+fn pictures_without_a_court_give_no_camera_and_take_none() {
+    let tennis = field("tennis");
+    assert!(find_court_camera(&[], &tennis).is_none());
+    assert!(find_court_camera(&[bare()], &tennis).is_none());
+    let mut pictures = frames(&tennis, &[camera(1.0, 0.0), camera(1.0, 1.0)]);
+    pictures.extend([bare(), bare(), bare()]);
+    let found = find_court_camera(&pictures, &tennis).unwrap();
+    assert_eq!(found.frames.len(), 2);
+    // One picture alone confirms nothing.
+    pictures.remove(0);
+    assert!(find_court_camera(&pictures, &tennis).is_none());
+}
+
+/// Two cameras of one match: that with more pictures is the answer.
+#[test]
+fn the_camera_of_most_pictures_is_found() {
+    let tennis = field("tennis");
+    let low = |pan_deg: f64| camera(1.0, pan_deg);
+    let base = turned_base([-45.0, 1.0, 14.0], [90.0, 0.0, 0.0], SIZE);
+    let high = PtzCamera::new(base, Ptz::from_degrees(0.0, -17.0, 1700.0));
+    let found = find_court_camera(&frames(&tennis, &[low(0.0), high, low(1.0)]), &tennis).unwrap();
+    assert!(
+        (found.base.position_m.z - 8.7).abs() < 0.4,
+        "{:?}",
+        found.base
+    );
+    assert!(find_court_camera(&frames(&tennis, &[low(0.0), high]), &tennis).is_none());
 }
 
 #[test]

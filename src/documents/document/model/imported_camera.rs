@@ -3,7 +3,7 @@
 use super::adapters;
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
-use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 
 /// Less roll than this is none: the rounding of a recorded camera.
@@ -116,14 +116,7 @@ impl ImportedCamera {
 
     /// Pan and tilt with which it looks where it does from another base, and its focal length.
     pub fn ptz_on(&self, base: &CameraBase) -> Ptz {
-        // The optical axis is the third row of the rotation from the world to the camera.
-        let axis = self.cam_from_world().row(2).transpose();
-        let looks = PanTilt::from_direction(base.base_from_world * axis);
-        Ptz {
-            pan: looks.pan,
-            tilt: looks.tilt,
-            focal_px: self.focal_px,
-        }
+        base.ptz_like(&self.cam_from_world(), self.focal_px)
     }
 
     /// The base of the camera, with principal point and lens of `like`, and pan, tilt and focal
