@@ -39,9 +39,9 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, Autocalibratio
 use crate::evidence::Evidence;
 use picture::{PictureCamera, camera_of_picture};
 use rayon::prelude::*;
-use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::{ImagePoint, ImageSize, subsample};
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
@@ -100,10 +100,18 @@ pub fn find_court_camera(
     starts.sort_by(|a, b| b.score.total_cmp(&a.score));
     starts.iter().take(MAX_STARTS).find_map(|start| {
         let on_base = OnBase::settle(frames, field, &alone, start)?;
-        let evidence = on_base.weigh(frames, field);
+        let seen = on_base.markings(frames, field);
+        let pictures: Vec<(PtzCamera, &MarkingPixels)> = seen
+            .iter()
+            .map(|(camera, markings)| (*camera, markings))
+            .collect();
+        let evidence = Evidence::weigh(field, &pictures);
         let is_certain =
             evidence.nats() >= MIN_NATS && evidence.contradicted_share() <= MAX_CONTRADICTED;
-        is_certain.then(|| on_base.into_camera(frames, field, evidence.nats()))
+        is_certain.then(|| AutocalibratedCamera {
+            paint: paint_directions(&seen),
+            ..on_base.into_camera(frames, field, evidence.nats())
+        })
     })
 }
 
@@ -177,8 +185,13 @@ impl OnBase {
         None
     }
 
-    fn weigh(&self, frames: &[CourtFrame], field: &FieldModel) -> Evidence {
-        let seen: Vec<(PtzCamera, MarkingPixels)> = frames
+    /// The aligned cameras, each with the marking pixels of its picture.
+    fn markings(
+        &self,
+        frames: &[CourtFrame],
+        field: &FieldModel,
+    ) -> Vec<(PtzCamera, MarkingPixels)> {
+        frames
             .par_iter()
             .zip(&self.aligned)
             .filter_map(|(frame, aligned)| {
@@ -186,12 +199,7 @@ impl OnBase {
                 let markings = MarkingPixels::bright_on_court(&frame.ground, field, &camera);
                 Some((camera, markings))
             })
-            .collect();
-        let pictures: Vec<(PtzCamera, &MarkingPixels)> = seen
-            .iter()
-            .map(|(camera, markings)| (*camera, markings))
-            .collect();
-        Evidence::weigh(field, &pictures)
+            .collect()
     }
 
     fn into_camera(
@@ -226,6 +234,17 @@ impl OnBase {
             frames,
         }
     }
+}
+
+/// Where some cameras see paint, evenly subsampled.
+fn paint_directions(seen: &[(PtzCamera, MarkingPixels)]) -> Vec<PanTilt> {
+    /// As many show every line, and draw at once.
+    const MAX_DIRECTIONS: usize = 3000;
+    let directions = seen.iter().flat_map(|(camera, markings)| {
+        let points = markings.points.iter();
+        points.filter_map(|point| camera.ray_from_image(point.at).ok())
+    });
+    subsample(directions.collect::<Vec<_>>(), MAX_DIRECTIONS).collect()
 }
 
 /// Aligns a frame to its paint with a base, from the first of some views that leads there.

@@ -79,6 +79,7 @@ fn a_still_or_turning_camera_of_a_court_is_found_whatever_the_colours() {
             found.base
         );
         assert_eq!(found.frames.len(), 3);
+        assert!(found.paint.len() > 500, "{}", found.paint.len());
     }
 }
 
