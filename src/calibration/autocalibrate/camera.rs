@@ -10,7 +10,7 @@ use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
 use crate::autocalibrate::adjustment::joint::FirstReach;
 use crate::autocalibrate::adjustment::neighbours::try_neighbouring_distances;
 use crate::autocalibrate::adjustment::refine::SearchedCamera;
-use crate::autocalibrate::court::{CourtFrame, MAX_PICTURES, find_court_camera, is_court};
+use crate::autocalibrate::court::{CourtFrame, MAX_PICTURES, find_court_camera};
 use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::by_shot::{frames_of_fields, spread_over_shots};
@@ -21,7 +21,8 @@ use crate::autocalibrate::frames::sampled_frames::{
 };
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::search::clicked::GroundClick;
-use crate::autocalibrate::search::places::SearchPlaces;
+use crate::autocalibrate::search::places::{SearchPlaces, is_court};
+use crate::autocalibrate::verdict::checks::contradicting_click;
 use crate::autocalibrate::verdict::decision::Decision;
 use crate::autocalibrate::verdict::wanted_clicks::wanted_clicks;
 use crate::autocalibrate::{
@@ -29,7 +30,6 @@ use crate::autocalibrate::{
 };
 use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
-use touchline_core::camera::PtzCamera;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
 use touchline_vision::paint::GroundPicture;
@@ -190,7 +190,8 @@ impl<'a> Search<'a> {
             })
             .collect();
         let found = find_court_camera(&frames, field);
-        Ok(found.filter(|found| clicks_agree(found, &self.clicks)))
+        let frames = &document.document.frames;
+        Ok(found.filter(|found| contradicting_click(found, &self.clicks, frames).is_none()))
     }
 
     /// The matched frames with the principal point that the document states of the camera.
@@ -378,22 +379,4 @@ impl<'a> Search<'a> {
         sampled.sort_by_key(|frame| frame.index);
         Ok(())
     }
-}
-
-/// Whether the clicks on the frames of a camera lie near their landmarks.
-fn clicks_agree(found: &AutocalibratedCamera, clicks: &[GroundClick]) -> bool {
-    /// A careless click on the right landmark, px at 1920 px width.
-    const NEAR_PX: f64 = 25.0;
-    clicks.iter().all(|click| {
-        let frame = found.frames.iter().find(|frame| frame.index == click.frame);
-        let landmark = found.field.landmark(click.landmark.as_str());
-        let Some((frame, landmark)) = frame.zip(landmark) else {
-            return true;
-        };
-        let camera = PtzCamera::new(found.base, frame.best_ptz());
-        let seen = camera.image_from_world(landmark.nominal_m);
-        // The principal point lies about in the middle of the picture.
-        let scale = found.base.principal_point.x / 960.0;
-        seen.is_ok_and(|seen| seen.distance_px(click.image) < NEAR_PX * scale)
-    })
 }

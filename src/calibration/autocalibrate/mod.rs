@@ -84,9 +84,9 @@ mod verdict;
 pub use answer::{AutocalibrationAnswer, DecidingLandmark, WantedClicks};
 pub use camera::{camera_without_clicks, find_camera};
 // For the window alone: no promise to other programs.
-#[doc(hidden)]
-pub use court::is_court;
 pub use doubt::Doubt;
 pub use error::{Abstention, AutocalibrationError};
 pub use frames::sampled_frames::PictureOfFrame;
 pub use progress::AutocalibrationProgress;
+#[doc(hidden)]
+pub use search::places::is_court;

@@ -53,7 +53,7 @@ pub use turf::surface::Surface;
 #[doc(hidden)]
 pub use {
     camera_alignment::check::{check_lines, overlays_apart_px},
-    camera_alignment::places::{PaintPlace, paint_places},
+    camera_alignment::places::{PaintPlace, observations_of_paint, paint_places},
     click_snapping::point::snap_point,
     click_snapping::{PointSnapOptions, SnappedPoint},
     markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent},

@@ -34,10 +34,9 @@ mod shown_lines;
 #[cfg(test)]
 mod tests;
 
-use crate::autocalibrate::search::places::relative_size;
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
 use crate::evidence::Evidence;
-use picture::{PictureCamera, camera_of_picture};
+use picture::{MAX_CONTRADICTED, PictureCamera, camera_of_picture};
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
@@ -47,19 +46,14 @@ use touchline_core::solve::base::{
     AdjustOptions, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
 };
 use touchline_vision::paint::{
-    GroundPicture, MarkingPixels, SnapOptions, Snapped, paint_places, snap,
+    GroundPicture, MarkingPixels, SnapOptions, Snapped, observations_of_paint, paint_places, snap,
 };
-
-/// Fields of less than this size relative to a soccer pitch are courts.
-const COURT_SIZE: f64 = 0.5;
 
 /// Number of pictures that are tried.
 pub const MAX_PICTURES: usize = 7;
 
-/// Minimum evidence for the base by all pictures together, nats, and the most of it that may speak
-/// against it where it has lines.
+/// Minimum evidence for the base by all pictures together, nats.
 const MIN_NATS: f64 = 200.0;
-const MAX_CONTRADICTED: f64 = 0.04;
 
 /// Maximum number of answers of single pictures that are tried on the others.
 const MAX_STARTS: usize = 3;
@@ -76,11 +70,6 @@ pub struct CourtFrame {
     pub index: usize,
     pub ground: GroundPicture,
     pub principal_point: ImagePoint,
-}
-
-/// Whether a field is a court, which pictures may show whole.
-pub fn is_court(field: &FieldModel) -> bool {
-    relative_size(field) < COURT_SIZE
 }
 
 /// The camera of some frames of one court. None where the pictures are not decisive.
@@ -283,11 +272,8 @@ fn adjust_to_paint(
         .par_iter()
         .map(|(frame, camera)| {
             let places = paint_places(&frame.ground, field, camera);
-            let observations = places.iter().enumerate().filter_map(|(number, place)| {
-                Observation::from_paint(field, place.line, place.image, place.sigma_px, number)
-            });
             FrameClicks {
-                observations: observations.collect(),
+                observations: observations_of_paint(&places, field).collect(),
                 start: Some(camera.ptz()),
             }
         })
@@ -322,7 +308,7 @@ fn adjust(
     cameras: impl Iterator<Item = PtzCamera> + Clone,
     frames: &[FrameClicks],
 ) -> Option<Vec<PtzCamera>> {
-    /// Farther away than so many lengths of the field no camera stands.
+    /// No camera stands farther away than this, in lengths of the field.
     const FARTHEST_LENGTHS: f64 = 20.0;
     let base = *cameras.clone().next()?.base();
     let clicks = CameraClicks {

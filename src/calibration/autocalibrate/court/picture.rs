@@ -27,7 +27,7 @@ const ROUNDS_ON_PAINT: usize = 4;
 /// width.
 const SAME_PX: f64 = 10.0;
 
-/// A grid of so many points in each direction of the picture compares two cameras.
+/// Number of points in each direction of the picture at which two cameras are compared.
 const COMPARED: u32 = 7;
 
 /// A picture decides for a camera of which it shows this share of the lines at least, and whose
@@ -47,7 +47,7 @@ const MIN_NATS: f64 = 100.0;
 /// Maximum of what speaks against a camera where it has lines, as a share of what speaks for it,
 /// and of the length of lines where the field has none, as a share of what its lines show. Right
 /// cameras have at most .01 and .13, wrong ones .05 to .4 of the former.
-const MAX_CONTRADICTED: f64 = 0.04;
+pub const MAX_CONTRADICTED: f64 = 0.04;
 const MAX_FOREIGN: f64 = 0.25;
 
 /// A camera of one picture.

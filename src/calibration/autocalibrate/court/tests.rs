@@ -1,6 +1,7 @@
 //! Drawn courts whose camera is known.
 
 use super::*;
+use crate::autocalibrate::search::places::is_court;
 use touchline_core::field::builtin;
 use touchline_core::geometry::{Angle, Vec3};
 use touchline_core::markings::{SampleOptions, sample_lines};
@@ -13,8 +14,8 @@ fn field(name: &str) -> FieldModel {
     builtin(name).unwrap().default_model().unwrap()
 }
 
-/// A camera in the stand behind an end of a court, so many times as far away as one of a tennis
-/// court.
+/// A camera in the stand behind an end of a court, at a multiple of the distance of one of a
+/// tennis court.
 fn camera(relative: f64, pan_deg: f64) -> PtzCamera {
     let base = turned_base(
         [-33.0 * relative, 0.3 * relative, 8.7 * relative],

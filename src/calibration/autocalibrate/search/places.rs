@@ -19,8 +19,11 @@ pub fn relative_size(field: &FieldModel) -> f64 {
     field.length_m.hypot(field.width_m) / 105_f64.hypot(68.0)
 }
 
-/// Fields of less than this size relative to a soccer pitch are courts.
-const COURT_SIZE: f64 = 0.5;
+/// Whether a field is a court, which pictures may show whole: less than half the size of a soccer
+/// pitch.
+pub fn is_court(field: &FieldModel) -> bool {
+    relative_size(field) < 0.5
+}
 
 /// Places to try, in `world`.
 pub struct SearchPlaces {
@@ -67,11 +70,7 @@ impl SearchPlaces {
         /// every size alike.
         const HALF_FIELD_M: [f64; 2] = [52.5, 34.0];
         let mut positions_m = Vec::new();
-        let farthest_m = if relative_size(field) < COURT_SIZE {
-            200.0
-        } else {
-            110.0
-        };
+        let farthest_m = if is_court(field) { 200.0 } else { 110.0 };
         let mut outside_m = 3.0;
         while outside_m < farthest_m {
             let along_step_m = f64::clamp(0.3 * outside_m, 4.0, 8.0);

@@ -17,7 +17,9 @@ use touchline_core::solve::base::{
     AdjustOptions, BaseModel, CameraClicks, FrameClicks, adjust_base,
 };
 use touchline_vision::media::Picture;
-use touchline_vision::paint::{GroundPicture, PaintPlace, SnapOptions, paint_places, snap};
+use touchline_vision::paint::{
+    GroundPicture, PaintPlace, SnapOptions, observations_of_paint, paint_places, snap,
+};
 
 /// Minimum number of frames with paint, and of different lines in all of them together, that
 /// determine a base.
@@ -173,9 +175,7 @@ impl PaintObservations {
         self.places += paint.len();
         self.lines.extend(paint.iter().map(|seen| seen.line));
         // Paint observations follow the frame's clicks and are numbered by themselves.
-        let observed = paint.iter().enumerate().filter_map(|(number, seen)| {
-            Observation::from_paint(&problem.field, seen.line, seen.image, seen.sigma_px, number)
-        });
+        let observed = observations_of_paint(paint, &problem.field);
         self.painted[place].observations.extend(observed);
     }
 

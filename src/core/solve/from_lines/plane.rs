@@ -92,3 +92,52 @@ fn ground_line(line: &DrawnLine) -> Option<Vec3> {
     let normal = Vec2::new(-along.y, along.x).normalize();
     Some(Vec3::new(normal.x, normal.y, -normal.dot(&from.xy())))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::builtin;
+    use crate::solve::Observation;
+    use crate::testing::{TestBase, base_at};
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    #[test]
+    fn exact_points_on_four_lines_give_the_camera_and_parallel_ones_none() {
+        let field = builtin("soccer")
+            .unwrap()
+            .model(&std::collections::BTreeMap::new(), 0.0)
+            .unwrap();
+        let base = base_at([5.0, -70.0, 21.0], SIZE);
+        let truth = base.aim(31.0, -14.0, 1400.0);
+        let on_lines = |names: &[&str]| {
+            let mut observations = Vec::new();
+            for name in names {
+                let curve = field.line(name).unwrap().curve;
+                for share in [0.3, 0.8] {
+                    let pixel = truth.image_from_world(curve.point_at(share)).unwrap();
+                    let click = observations.len();
+                    observations
+                        .push(Observation::from_line(&field, name, pixel, SIZE, click).unwrap());
+                }
+            }
+            camera_from_ground_lines(&DrawnLine::group(&observations), SIZE, SIZE.centre())
+        };
+        let area = ["near", "far", "front"].map(|side| format!("penalty_area_right_{side}"));
+        let [near, far, front] = area.each_ref().map(String::as_str);
+        let camera = on_lines(&[near, far, front, "goal_line_right"]).unwrap();
+        let (found, ptz) = (camera.base(), camera.ptz());
+        assert!(
+            (found.position_m - base.position_m).norm() < 1e-3,
+            "{found:?}"
+        );
+        assert!((ptz.focal_px - 1400.0).abs() < 0.01, "{ptz:?}");
+        assert!(
+            (ptz.pan - truth.ptz().pan).abs().degrees() < 1e-3,
+            "{ptz:?}"
+        );
+        let parallel = [near, far, "touchline_far", "goal_area_right_near"];
+        assert_eq!(on_lines(&parallel), None);
+        assert_eq!(on_lines(&[near, far, front]), None);
+    }
+}

@@ -42,7 +42,7 @@ const MOST_DRIFT: f64 = 0.02;
 /// A drift comes back if its ends are nearer to each other than this share of its extent.
 const RETURNS: f64 = 0.7;
 
-/// The median place is taken over so many parts of a video to see whether it drifts.
+/// Number of parts of a video, the median places of which show whether it drifts.
 const PARTS: usize = 8;
 
 /// Places that spread by less (1 σ) are as exact as any that is stated, m.

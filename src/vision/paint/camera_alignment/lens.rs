@@ -8,7 +8,7 @@
 //! all. A grid is used instead of descent because far from the minimum the robust loss makes the
 //! cost flat.
 
-use crate::paint::{GroundPicture, SnapError, paint_places};
+use crate::paint::{GroundPicture, SnapError, observations_of_paint, paint_places};
 use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::solve::{Loss, Observation, Refined, refine};
@@ -56,9 +56,7 @@ pub(super) fn own_lens(
     for _ in 0..LOOKS {
         // Observations: ridges near the lines that the current camera predicts, and the clicks.
         let places = paint_places(ground, field, &found);
-        let paint = places.iter().enumerate().filter_map(|(number, place)| {
-            Observation::from_paint(field, place.line, place.image, place.sigma_px, number)
-        });
+        let paint = observations_of_paint(&places, field);
         let seen: Vec<Observation> = clicks
             .iter()
             .filter(|click| !click.check)

@@ -8,6 +8,7 @@ use crate::paint::GroundPicture;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, subsample};
+use touchline_core::solve::Observation;
 
 /// A point at which the centre of a line's paint is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,16 @@ pub struct PaintPlace {
     /// 1-σ across the line, px, including this point's share of the error that all points of the
     /// line have in common.
     pub sigma_px: f64,
+}
+
+/// Places of paint as observations of the field's lines, numbered from 0.
+pub fn observations_of_paint(
+    places: &[PaintPlace],
+    field: &FieldModel,
+) -> impl Iterator<Item = Observation> {
+    places.iter().enumerate().filter_map(|(number, place)| {
+        Observation::from_paint(field, place.line, place.image, place.sigma_px, number)
+    })
 }
 
 /// Sampling of the picture, px at 1920 px width.
@@ -84,7 +95,6 @@ mod tests {
     use super::*;
     use crate::paint::drawn::{PICTURE, camera, soccer, truth};
     use touchline_core::geometry::median;
-    use touchline_core::solve::Observation;
 
     #[test]
     fn places_lie_on_the_paint_whatever_the_camera_that_predicts_it() {
