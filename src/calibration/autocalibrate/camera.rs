@@ -10,14 +10,13 @@ use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
 use crate::autocalibrate::adjustment::joint::FirstReach;
 use crate::autocalibrate::adjustment::neighbours::try_neighbouring_distances;
 use crate::autocalibrate::adjustment::refine::SearchedCamera;
-use crate::autocalibrate::court::{CourtFrame, MAX_PICTURES, find_court_camera};
+use crate::autocalibrate::court::{CourtAnswer, search_court};
 use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::by_shot::{frames_of_fields, spread_over_shots};
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::frames::sampled_frames::{
-    MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, read_pictures, sample_frames,
-    spread_evenly,
+    MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly,
 };
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::search::clicked::GroundClick;
@@ -28,11 +27,9 @@ use crate::autocalibrate::verdict::wanted_clicks::wanted_clicks;
 use crate::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
 };
-use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
-use touchline_vision::paint::GroundPicture;
 
 /// Fewer clicks on landmarks of the ground determine no pose.
 const MIN_CLICKS: usize = 2;
@@ -136,8 +133,8 @@ impl<'a> Search<'a> {
         max_sampled: usize,
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
-        if let Some(found) = self.find_court(picture)? {
-            return Ok(AutocalibrationAnswer::Found(Box::new(found)));
+        if let Some(answer) = self.find_court(picture)? {
+            return Ok(answer);
         }
         let mut sampled = Vec::new();
         match self.run_with(max_sampled, &mut sampled, picture)? {
@@ -150,48 +147,40 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The camera of a court by the lines of single pictures. None on larger fields, where these
-    /// are not decisive, and where a click contradicts them.
+    /// The answer for a court, by the lines of single pictures. None for larger fields, where these
+    /// are not decisive, where a click contradicts what was found, and where clicks may lead on.
+    ///
+    /// Where the pictures of a court do not decide one by one, neither does their panorama: seams of
+    /// floors and boards are most of its paint, and of no clip of a court it has given a camera.
     fn find_court(
         &self,
         picture: PictureOfFrame<'_>,
-    ) -> Result<Option<AutocalibratedCamera>, AutocalibrationError> {
+    ) -> Result<Option<AutocalibrationAnswer>, AutocalibrationError> {
         let field = &self.field_prior.assumed;
         if !is_court(field) {
             return Ok(None);
         }
-        let SearchedCamera {
-            document, camera, ..
-        } = self.searched;
-        let chosen = spread_over_shots(document.document, &self.of_camera, MAX_PICTURES);
-        report(
+        let answer = search_court(
+            self.searched,
+            field,
+            &self.of_camera,
+            picture,
             self.progress,
-            AutocalibrationProgress::Looking {
-                done: 0,
-                of: chosen.len(),
-            },
         )?;
-        let mut pictures = read_pictures(&chosen, picture);
-        // Pictures of another size are another camera's.
-        let size = pictures.first().map(|(_, picture)| picture.size());
-        pictures.retain(|(_, picture)| Some(picture.size()) == size);
-        let frames: Vec<CourtFrame> = pictures
-            .iter()
-            .map(|(index, picture)| {
-                let of_size = document.document.camera(camera);
-                let stated = of_size.filter(|camera| camera.image_size == picture.size());
-                let masks = document.masks_of(&document.frames[*index]);
-                CourtFrame {
-                    index: *index,
-                    ground: GroundPicture::new(picture, &masks),
-                    principal_point: stated
-                        .map_or(picture.size().centre(), |camera| camera.principal_point),
-                }
-            })
-            .collect();
-        let found = find_court_camera(&frames, field);
-        let frames = &document.document.frames;
-        Ok(found.filter(|found| contradicting_click(found, &self.clicks, frames).is_none()))
+        Ok(match answer {
+            CourtAnswer::Found(found) => {
+                let frames = &self.searched.document.document.frames;
+                contradicting_click(&found, &self.clicks, frames)
+                    .is_none()
+                    .then(|| AutocalibrationAnswer::Found(found))
+            }
+            CourtAnswer::NotFound(clicks) => {
+                (self.clicks.len() < MIN_CLICKS).then(|| AutocalibrationAnswer::Abstained {
+                    why: Abstention::NoCourt,
+                    clicks,
+                })
+            }
+        })
     }
 
     /// The matched frames with the principal point that the document states of the camera.

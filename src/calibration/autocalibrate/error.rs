@@ -51,6 +51,9 @@ pub enum Abstention {
     /// No position of the camera explains the paint.
     #[error("no position of the camera explains the painted lines: check the sport")]
     NothingFits,
+    /// No picture of a court shows enough of its lines.
+    #[error("no picture shows enough of the court's lines")]
+    NoCourt,
     /// The best answer is not certain.
     #[error("the best answer is not certain, so none is given: {}", join_doubts(.doubts))]
     Uncertain {
@@ -76,7 +79,7 @@ impl Abstention {
         match self {
             Self::NotConnected { .. } | Self::LittlePaint { .. } => true,
             Self::Uncertain { doubts, .. } => doubts.iter().all(Doubt::is_for_want_of_frames),
-            Self::NotTurning(_) | Self::NothingFits => false,
+            Self::NotTurning(_) | Self::NothingFits | Self::NoCourt => false,
         }
     }
 }

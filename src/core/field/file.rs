@@ -54,7 +54,13 @@ pub struct ParamFile {
     pub default: Formula,
     pub min: Formula,
     pub max: Formula,
+    #[serde(default = "varies")]
+    pub varies: bool,
     pub source: String,
+}
+
+const fn varies() -> bool {
+    true
 }
 
 #[derive(serde::Deserialize)]

@@ -45,8 +45,18 @@ pub struct Param {
     pub min: f64,
     /// The largest.
     pub max: f64,
+    /// Whether fields differ in it where nobody says so. A league's courts do not, although a school
+    /// may state another.
+    pub varies: bool,
     /// The source of the range.
     pub source: String,
+}
+
+impl Param {
+    /// Whether a field of which nobody states it may have another value than the default.
+    pub fn is_open(&self) -> bool {
+        self.varies && self.min < self.max
+    }
 }
 
 /// A quantity that the rules fix, such as `penalty_area_depth_m`; it may depend on parameters.

@@ -39,7 +39,7 @@ fn open_lengths(template: &Template) -> Vec<SizeParam> {
         .params
         .iter()
         .filter(|param| ["length_m", "width_m"].contains(&param.name.as_str()))
-        .filter(|param| param.min < param.max);
+        .filter(|param| param.is_open());
     open.map(|param| SizeParam {
         name: param.name.clone(),
         assumed_m: param.default,

@@ -56,7 +56,7 @@ pub use {
     camera_alignment::places::{PaintPlace, observations_of_paint, paint_places},
     click_snapping::point::snap_point,
     click_snapping::{PointSnapOptions, SnappedPoint},
-    markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent},
+    markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent, Tone},
     markings::persistent::{GroundDirections, PersistentPoint, persistent_paint},
     markings::straight_lines::{StraightLine, straight_lines},
     ridges::ridge::LineContrast,

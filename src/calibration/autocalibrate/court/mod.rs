@@ -14,43 +14,52 @@
 //!
 //! # Steps
 //!
-//! 1. The long straight bright lines of a picture ([`touchline_vision::paint::straight_lines`]).
+//! 1. The long straight lines of a picture, bright ones, dark ones and borders of areas
+//!    ([`touchline_vision::paint::straight_lines`]).
 //! 2. Every two pairs of them as every rectangle of the field (`rectangles.rs`); scored by the
 //!    lines of the field that are lines of the picture (`shown_lines.rs`, `grid.rs`).
+//!    That a line is not shown says something only where the ground is seen (`even_areas.rs`).
 //! 3. The best are adjusted to these lines, then to the paint beside them, and weighed in nats on
-//!    the ground that they themselves say is the court's (`picture.rs`).
+//!    the ground that they themselves say is the court's (`picture.rs`), each line in the tone that
+//!    it has (`toned_markings.rs`).
 //! 4. The answer of one picture is tried on the others: with its base they are aligned to their own
 //!    paint. The base is adjusted to all of them, and weighed once more (this file).
+//! 5. Of pictures in no usual proportion, which are cut out of others, other principal points are
+//!    tried (`search.rs`).
 //!
 //! # What it is not proof against
 //!
-//! Courts that are never shown with two lines in each direction; dark lines; a principal point far
-//! from the middle; a lens that bends lines by more than some px.
+//! Courts that are never shown with two lines in each direction; a crop that follows the players; a
+//! lens that bends lines by more than some px.
 
+mod even_areas;
 mod grid;
 mod picture;
 mod rectangles;
+mod search;
 mod shown_lines;
 #[cfg(test)]
 mod tests;
+mod toned_markings;
 
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
-use crate::evidence::Evidence;
+pub use search::{CourtAnswer, search_court};
+
+use even_areas::EvenAreas;
 use picture::{MAX_CONTRADICTED, PictureCamera, camera_of_picture};
 use rayon::prelude::*;
+use toned_markings::{TonedMarkings, weigh_tones};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, subsample};
+use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3, subsample};
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
 };
 use touchline_vision::paint::{
-    GroundPicture, MarkingPixels, SnapOptions, Snapped, observations_of_paint, paint_places, snap,
+    GroundPicture, SnapOptions, Snapped, StraightLine, observations_of_paint, paint_places, snap,
+    straight_lines,
 };
-
-/// Number of pictures that are tried.
-pub const MAX_PICTURES: usize = 7;
 
 /// Minimum evidence for the base by all pictures together, nats.
 const MIN_NATS: f64 = 200.0;
@@ -67,34 +76,49 @@ const ROUNDS: usize = 2;
 /// A picture that may show the court.
 pub struct CourtFrame {
     /// Its index in the document.
-    pub index: usize,
-    pub ground: GroundPicture,
-    pub principal_point: ImagePoint,
+    index: usize,
+    ground: GroundPicture,
+    lines: Vec<StraightLine>,
+    even: EvenAreas,
 }
 
-/// The camera of some frames of one court. None where the pictures are not decisive.
-pub fn find_court_camera(
+impl CourtFrame {
+    pub fn new(index: usize, ground: GroundPicture) -> Self {
+        Self {
+            index,
+            lines: straight_lines(&ground),
+            even: EvenAreas::detect(&ground),
+            ground,
+        }
+    }
+
+    /// The length of its straight lines, px.
+    fn length_px(&self) -> f64 {
+        self.lines.iter().map(StraightLine::covered_px).sum()
+    }
+}
+
+/// The camera of some frames of one court with a principal point. None where the pictures are not
+/// decisive.
+fn find_court_camera(
     frames: &[CourtFrame],
     field: &FieldModel,
+    principal_point: PrincipalPoint,
 ) -> Option<AutocalibratedCamera> {
     let alone: Vec<Option<PictureCamera>> = frames
         .par_iter()
-        .map(|frame| camera_of_picture(frame, field))
+        .map(|frame| camera_of_picture(frame, field, principal_point.at))
         .collect();
     let mut starts: Vec<&PictureCamera> = alone
         .iter()
         .flatten()
         .filter(|found| found.is_decided)
         .collect();
-    starts.sort_by(|a, b| b.score.total_cmp(&a.score));
+    starts.sort_by(|a, b| b.nats.total_cmp(&a.nats));
     starts.iter().take(MAX_STARTS).find_map(|start| {
-        let on_base = OnBase::settle(frames, field, &alone, start)?;
+        let on_base = OnBase::settle(frames, field, &alone, start, principal_point)?;
         let seen = on_base.markings(frames, field);
-        let pictures: Vec<(PtzCamera, &MarkingPixels)> = seen
-            .iter()
-            .map(|(camera, markings)| (*camera, markings))
-            .collect();
-        let evidence = Evidence::weigh(field, &pictures);
+        let evidence = weigh_tones(field, &seen);
         let is_certain =
             evidence.nats() >= MIN_NATS && evidence.contradicted_share() <= MAX_CONTRADICTED;
         is_certain.then(|| AutocalibratedCamera {
@@ -102,6 +126,15 @@ pub fn find_court_camera(
             ..on_base.into_camera(frames, field, evidence.nats())
         })
     })
+}
+
+/// Where the optical axis meets the picture.
+#[derive(Clone, Copy, Debug)]
+struct PrincipalPoint {
+    /// px.
+    at: ImagePoint,
+    /// Whether this is a guess, which the pictures together make better.
+    is_guess: bool,
 }
 
 /// Frames that are aligned to their paint with one base.
@@ -120,6 +153,7 @@ impl OnBase {
         field: &FieldModel,
         alone: &[Option<PictureCamera>],
         start: &PictureCamera,
+        principal_point: PrincipalPoint,
     ) -> Option<Self> {
         let mut base = *start.camera.base();
         let mut views: Vec<Vec<Ptz>> = alone
@@ -156,7 +190,8 @@ impl OnBase {
                     Some((frame, PtzCamera::new(base, aligned.as_ref()?.ptz)))
                 })
                 .collect();
-            let adjusted = adjust_to_paint(field, &cameras)?;
+            let guess = principal_point.is_guess.then_some(principal_point.at);
+            let adjusted = adjust_to_paint(field, &cameras, guess)?;
             let former = base;
             base = *adjusted.first()?.base();
             let mut adjusted = adjusted.into_iter();
@@ -179,13 +214,13 @@ impl OnBase {
         &self,
         frames: &[CourtFrame],
         field: &FieldModel,
-    ) -> Vec<(PtzCamera, MarkingPixels)> {
+    ) -> Vec<(PtzCamera, TonedMarkings)> {
         frames
             .par_iter()
             .zip(&self.aligned)
             .filter_map(|(frame, aligned)| {
                 let camera = PtzCamera::new(self.base, aligned.as_ref()?.ptz);
-                let markings = MarkingPixels::bright_on_court(&frame.ground, field, &camera);
+                let markings = TonedMarkings::detect(&frame.ground, field, &camera);
                 Some((camera, markings))
             })
             .collect()
@@ -226,11 +261,11 @@ impl OnBase {
 }
 
 /// Where some cameras see paint, evenly subsampled.
-fn paint_directions(seen: &[(PtzCamera, MarkingPixels)]) -> Vec<PanTilt> {
+fn paint_directions(seen: &[(PtzCamera, TonedMarkings)]) -> Vec<PanTilt> {
     /// As many show every line, and draw at once.
     const MAX_DIRECTIONS: usize = 3000;
     let directions = seen.iter().flat_map(|(camera, markings)| {
-        let points = markings.points.iter();
+        let points = markings.bright.points.iter();
         points.filter_map(|point| camera.ray_from_image(point.at).ok())
     });
     subsample(directions.collect::<Vec<_>>(), MAX_DIRECTIONS).collect()
@@ -262,10 +297,12 @@ fn view_from(base: &CameraBase, camera: &PtzCamera) -> Ptz {
     base.ptz_like(&camera.cam_from_world(), camera.ptz().focal_px)
 }
 
-/// Cameras of one base, adjusted with it to the paint near their lines.
+/// Cameras of one base, adjusted with it to the paint near their lines, and with its principal point
+/// near `guess` if there is one.
 fn adjust_to_paint(
     field: &FieldModel,
     cameras: &[(&CourtFrame, PtzCamera)],
+    guess: Option<ImagePoint>,
 ) -> Option<Vec<PtzCamera>> {
     let (first, _) = cameras.first()?;
     let frames: Vec<FrameClicks> = cameras
@@ -283,6 +320,7 @@ fn adjust_to_paint(
         first.ground.size(),
         cameras.iter().map(|(_, camera)| *camera),
         &frames,
+        guess,
     )
 }
 
@@ -297,7 +335,7 @@ fn adjust_to_places(
         observations: places,
         start: Some(camera.ptz()),
     }];
-    Some(adjust(field, size, std::iter::once(*camera), &frames)?[0])
+    Some(adjust(field, size, std::iter::once(*camera), &frames, None)?[0])
 }
 
 /// Adjusts the base of some cameras and their views. None where a frame has too few observations,
@@ -307,9 +345,10 @@ fn adjust(
     size: ImageSize,
     cameras: impl Iterator<Item = PtzCamera> + Clone,
     frames: &[FrameClicks],
+    guess: Option<ImagePoint>,
 ) -> Option<Vec<PtzCamera>> {
-    /// No camera stands farther away than this, in lengths of the field.
-    const FARTHEST_LENGTHS: f64 = 20.0;
+    /// 1-σ of a guessed principal point, px at 1920 px width: guesses lie .1 widths apart.
+    const GUESS_PX: f64 = 80.0;
     let base = *cameras.clone().next()?.base();
     let clicks = CameraClicks {
         field,
@@ -321,12 +360,26 @@ fn adjust(
     let model = BaseModel {
         lens: LensModel::K1Focal,
         crown: CrownModel::Fixed(field.crown_m),
-        principal_point: None,
+        principal_point: guess,
     };
+    let mut options = AdjustOptions::default();
+    if guess.is_some() {
+        options.priors.principal_point_px = GUESS_PX;
+    }
     let ptz: Vec<Option<Ptz>> = cameras.map(|camera| Some(camera.ptz())).collect();
-    let adjusted = adjust_base(&clicks, &base, &ptz, &model, &AdjustOptions::default());
-    let is_sane = adjusted.base.is_finite()
-        && adjusted.base.position_m.norm() < FARTHEST_LENGTHS * field.length_m;
+    let adjusted = adjust_base(&clicks, &base, &ptz, &model, &options);
+    let is_sane = adjusted.base.is_finite() && may_stand_at(adjusted.base.position_m, field);
     let with_base = |ptz: Option<Ptz>| Some(PtzCamera::new(adjusted.base, ptz?));
     is_sane.then(|| adjusted.ptz.into_iter().map(with_base).collect())?
+}
+
+/// Whether a camera may look at a court from a place, m.
+fn may_stand_at(place_m: Vec3, field: &FieldModel) -> bool {
+    /// Those of nine real courts stand .4 to 2.2 diagonals of the court from its middle, and are
+    /// seen from there under 10 to 30 degrees.
+    const FARTHEST_DIAGONALS: f64 = 5.0;
+    const LOWEST: Angle = Angle::from_degrees(3.0);
+    let distance_m = place_m.norm();
+    distance_m <= FARTHEST_DIAGONALS * field.length_m.hypot(field.width_m)
+        && place_m.z >= LOWEST.sin_cos().0 * distance_m
 }

@@ -5,8 +5,10 @@
 //! focal length one is left over, which nearly all wrong assignments fail.
 
 use super::grid::Grid;
+use super::may_stand_at;
 use super::shown_lines::ShownLines;
 use rayon::prelude::*;
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use touchline_core::solve::PlanePose;
 use touchline_vision::paint::StraightLine;
@@ -44,7 +46,7 @@ pub fn cameras_of_rectangles<T: Send>(
     score_of: impl Fn(&PlanePose) -> Option<T> + Sync,
 ) -> Vec<(PlanePose, T)> {
     let (lines, principal_point) = (shown.lines, shown.principal_point);
-    let rectangles = field_rectangles(shown.grid);
+    let (field, rectangles) = (shown.field, field_rectangles(shown.grid));
     let unit_px = shown.size.reference_width_px();
     let pairs: Vec<[usize; 2]> = (0..lines.len())
         .flat_map(|one| (one + 1..lines.len()).map(move |other| [one, other]))
@@ -60,9 +62,9 @@ pub fn cameras_of_rectangles<T: Send>(
                     let of = |pair: [usize; 2]| pair.map(|line| &lines[line]);
                     PictureRectangle::new(of(along), of(*across), principal_point, unit_px)
                 })
-                .flat_map(move |shown| {
+                .flat_map(move |picture| {
                     rectangles.iter().filter_map(move |rectangle| {
-                        let pose = shown.camera(rectangle, unit_px)?;
+                        let pose = picture.camera(field, rectangle, unit_px)?;
                         let score = score_of(&pose)?;
                         Some((pose, score))
                     })
@@ -132,7 +134,12 @@ impl PictureRectangle {
     }
 
     /// The camera that shows a rectangle of the field here.
-    fn camera(&self, of_field: &FieldRectangle, unit_px: f64) -> Option<PlanePose> {
+    fn camera(
+        &self,
+        field: &FieldModel,
+        of_field: &FieldRectangle,
+        unit_px: f64,
+    ) -> Option<PlanePose> {
         let [u, v, origin] = [0, 1, 2].map(|column| Vec3::from(self.from_square.column(column)));
         let [x, y] = [of_field.x, of_field.y];
         let (h1, h2) = (u / (x[1] - x[0]), v / (y[1] - y[0]));
@@ -167,7 +174,7 @@ impl PictureRectangle {
         let position_m = -(cam_from_world.transpose() * t) / f64::midpoint(lengths.0, lengths.1);
         // Above the ground, and upright: y points down in the picture.
         let roll = Angle::from_radians(up.x.atan2(-up.y));
-        (position_m.z > 0.0 && roll.abs() <= MAX_ROLL).then_some(PlanePose {
+        (may_stand_at(position_m, field) && roll.abs() <= MAX_ROLL).then_some(PlanePose {
             position_m,
             cam_from_world,
             focal_px: focal * unit_px,

@@ -1,10 +1,11 @@
 //! The lines of a field that a camera would see, compared with the straight lines of its picture.
 
+use super::even_areas::EvenAreas;
 use super::grid::{Grid, GridLine};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_core::solve::{Observation, PlanePose};
-use touchline_vision::paint::StraightLine;
+use touchline_vision::paint::{StraightLine, Tone};
 
 /// Both ends of a line of the field lie within this of the line of the picture that shows it, px at
 /// 1920 px width: a camera from one rectangle is some px off elsewhere, and a lens bends lines.
@@ -39,6 +40,7 @@ pub struct ShownLines<'a> {
     pub field: &'a FieldModel,
     pub grid: &'a Grid,
     pub lines: &'a [StraightLine],
+    pub even: &'a EvenAreas,
     pub size: ImageSize,
     pub principal_point: ImagePoint,
 }
@@ -101,11 +103,11 @@ impl ShownLines<'_> {
             }
             let shown = self.nearest_along([from, to], scale);
             let Some((of_picture, range_px, covered_px)) = shown else {
-                found.bare_px += length_px;
+                found.bare_px += length_px * self.even.share_between(from, to);
                 continue;
             };
             found.shown_px += covered_px;
-            found.bare_px += (length_px - covered_px).max(0.0);
+            found.bare_px += (length_px - covered_px).max(0.0) * self.even.share_between(from, to);
             found.matches.push(Match {
                 of_field: line.line,
                 of_picture,
@@ -138,7 +140,7 @@ impl ShownLines<'_> {
             .lines
             .iter()
             .enumerate()
-            .filter(|(index, line)| !is_known(*index, line));
+            .filter(|(index, line)| line.tone == Tone::Bright && !is_known(*index, line));
         let pieces =
             unknown.flat_map(|(_, line)| line.pieces.iter().map(move |piece| (line, piece)));
         pieces

@@ -102,7 +102,7 @@ impl OpenSize {
         let open = template
             .params
             .iter()
-            .filter(|param| SIZE.contains(&param.name.as_str()) && param.min < param.max);
+            .filter(|param| SIZE.contains(&param.name.as_str()) && param.is_open());
         let params = open.map(|param| SizeParam {
             name: param.name.clone(),
             assumed_m: field

@@ -186,6 +186,7 @@ impl Reader<'_> {
                 default,
                 min,
                 max,
+                varies: file.varies,
                 source: file.source,
             });
         }

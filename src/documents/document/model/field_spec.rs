@@ -153,7 +153,7 @@ impl FieldSpec {
         // there is nothing to confirm.
         let template = builtin(&self.template).ok()?;
         let params = SIZE.map(|name| template.params.iter().find(|param| param.name == name));
-        if !params.iter().flatten().any(|param| param.min < param.max) {
+        if !params.iter().flatten().any(|param| param.is_open()) {
             return None;
         }
         // Rounded to centimetres, for people; a template without one of the two parameters has “?”.

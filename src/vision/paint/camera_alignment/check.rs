@@ -146,8 +146,13 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         &[6.0 * scale, 4.0 * scale, 3.0 * scale],
         size,
     );
-    // Signs of a field of another size; they do not enter the score.
-    let unexplained = unexplained_share(ground, field, camera, &sightings.samples);
+    // Signs of a field of another size; they do not enter the score. On a floor, seams, letters and
+    // lines of other sports are explained by no camera.
+    let unexplained = if ground.surface().is_turf() {
+        unexplained_share(ground, field, camera, &sightings.samples)
+    } else {
+        None
+    };
     let emptiest = emptiest_line(&sightings);
     let open = open_weight(&sightings);
     let agreement = if open > 0.0 { weighed / open } else { 0.0 };

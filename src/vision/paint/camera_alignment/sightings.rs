@@ -118,9 +118,6 @@ impl LineObservations {
     }
 }
 
-/// Where a painted area of a floor ends, lines narrower than this are hardly visible, px.
-const SEEN_AT_BORDERS_PX: f64 = 1.5;
-
 /// Whether the ground is open on both sides of a predicted line. The caller has found no ridge.
 fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
     const STEP_PX: usize = 2;
@@ -136,12 +133,8 @@ fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
             None => {}
         }
     }
-    // A narrow line at the border of a painted area may be there without being visible: such a
-    // sample is bare only if it lies on one kind of ground.
-    let open = if across.width_px >= SEEN_AT_BORDERS_PX {
-        bare + areas
-    } else {
-        bare.max(areas)
-    };
+    // Where an area of another colour begins, a narrow line is hardly visible, and the boundary of
+    // many courts is no line at all: a sample is bare only on one kind of ground.
+    let open = bare.max(areas);
     f64::from(open) >= BARE * f64::from(all)
 }

@@ -1,9 +1,11 @@
-//! Long straight bright lines of a picture, found without any camera and on ground of any colour.
+//! Long straight lines of a picture, found without any camera and on ground of any colour: bright
+//! ones, dark ones, and borders of two areas.
 //!
 //! # Method
 //!
-//! 1. Ridges of brightness as marking pixels have them, everywhere in the picture: what is ground
-//!    is not known yet, and a court may have several colours.
+//! 1. Crests of each tone as marking pixels have them, everywhere in the picture: what is ground
+//!    is not known yet, and a court may have several colours. Those beside a line of a tone before
+//!    are left out.
 //! 2. A Hough transform: each ridge votes for the lines through it whose direction is about its
 //!    own. The lines are taken one by one, the one with the most votes first, and the ridges on it
 //!    vote no more.
@@ -11,7 +13,7 @@
 //!    without long gaps; a player in front of it may leave a gap, scattered ridges of a crowd do
 //!    not make a line.
 
-use super::marking_pixels::bright_ridges;
+use super::marking_pixels::{Tone, crests_anywhere};
 use crate::paint::GroundPicture;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
@@ -39,12 +41,17 @@ const GAP_PX: f64 = 20.0;
 /// Pieces shorter than this are chance, px at 1920 px width.
 const MIN_PIECE_PX: f64 = 40.0;
 
+/// Other ridges within this of a line are its edges or its halo, px at 1920 px width.
+const BESIDE_PX: f64 = 14.0;
+
 /// Minimum number of ridges per px of a piece.
 const MIN_DENSITY: f64 = 0.5;
 
-/// A straight bright line of a picture.
+/// A straight line of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StraightLine {
+    /// How it differs from what is beside it.
+    pub tone: Tone,
     /// A point on it, px.
     pub at: ImagePoint,
     /// Unit vector across it.
@@ -90,20 +97,38 @@ impl StraightLine {
 /// A ridge: its centre and the unit vector across it.
 type Ridge = (ImagePoint, Vec2);
 
-/// The long straight bright lines of a picture, those with the most ridges first.
+/// The long straight lines of a picture: bright ones, then dark ones, then borders of areas, of each
+/// those with the most ridges first. The borders of a crowd are longer than lines, so length is no
+/// reason to prefer one.
 pub fn straight_lines(ground: &GroundPicture) -> Vec<StraightLine> {
+    let mut lines = Vec::new();
+    for tone in [Tone::Bright, Tone::Dark, Tone::Border] {
+        add_lines(ground, tone, &mut lines);
+    }
+    lines
+}
+
+/// Adds the lines that some ridges make. Those beside a line that is there already are its edges,
+/// or the halo of a sharpened picture.
+fn add_lines(ground: &GroundPicture, tone: Tone, lines: &mut Vec<StraightLine>) {
     let size = ground.size();
     let scale = size.scale_from_1920();
     let min_covered_px = MIN_COVERED * f64::from(size.width.max(size.height));
-    let mut ridges: Vec<Ridge> = bright_ridges(ground)
+    let beside_px = BESIDE_PX * scale;
+    let mut ridges: Vec<Ridge> = crests_anywhere(ground, tone)
         .into_iter()
-        .filter(|(at, _)| !ground.is_masked(*at))
+        .filter(|ridge| {
+            let is_edge = |line: &StraightLine| {
+                is_on(ridge, line, beside_px)
+                    && line.covered_within_px(around(line.along_px(ridge.0))) > 0.0
+            };
+            !ground.is_masked(ridge.0) && !lines.iter().any(is_edge)
+        })
         .collect();
     let mut votes = Votes::new(size);
     for ridge in &ridges {
         votes.count(ridge, 1);
     }
-    let mut lines = Vec::new();
     while lines.len() < MAX_LINES {
         let Some((start, num_votes)) = votes.strongest() else {
             break;
@@ -128,9 +153,9 @@ pub fn straight_lines(ground: &GroundPicture) -> Vec<StraightLine> {
         if taken.is_empty() {
             break;
         }
-        lines.extend(line.filter(|line| line.covered_px() >= min_covered_px));
+        let line = line.filter(|line| line.covered_px() >= min_covered_px);
+        lines.extend(line.map(|line| StraightLine { tone, ..line }));
     }
-    lines
 }
 
 /// The line of the ridges near a line, without an end. None where they do not cover it.
@@ -204,6 +229,7 @@ fn through<'a>(
     // The direction of the largest scatter; across it is the normal.
     let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
     Some(StraightLine {
+        tone: Tone::Bright,
         at: ImagePoint::new(x, y),
         normal: Vec2::new(-turn.sin(), turn.cos()),
         pieces,
@@ -258,6 +284,7 @@ impl Votes {
         let normal = normal_of(turned);
         let across_px = (row as f64 - (self.rows / 2) as f64) * self.across_px;
         let line = StraightLine {
+            tone: Tone::Bright,
             at: self.middle.translate(normal * across_px),
             normal,
             pieces: Vec::new(),

@@ -21,8 +21,9 @@ use crate::paint::GroundPicture;
 use crate::paint::camera_alignment::ground_on_field::ground_on_field;
 use crate::paint::turf::ground_area::GroundArea;
 use components::long_ones;
-pub(super) use ridges::bright_ridges;
-use ridges::{Tone, ridges};
+pub use ridges::Tone;
+pub(super) use ridges::crests_anywhere;
+use ridges::ridges;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
@@ -99,12 +100,17 @@ impl MarkingPixels {
         Self { points, cells }
     }
 
-    /// Detects the bright lines of a court where a camera shows it: its ground is what is smooth
+    /// Detects the lines of a tone on a court where a camera shows it: its ground is what is smooth
     /// inside the field, whatever the rest of the picture is. Seams, scratches and letters are
     /// shorter than lines.
-    pub fn bright_on_court(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera) -> Self {
+    pub fn on_court(
+        ground: &GroundPicture,
+        field: &FieldModel,
+        camera: &PtzCamera,
+        tone: Tone,
+    ) -> Self {
         let ground = ground_on_field(ground, field, camera);
-        Self::of_kind(&ground, &[Tone::Bright], MIN_LENGTH_ON_COURT_PX)
+        Self::of_kind(&ground, &[tone], MIN_LENGTH_ON_COURT_PX)
     }
 
     /// What the picture shows at a point, px.

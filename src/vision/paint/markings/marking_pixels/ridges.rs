@@ -35,6 +35,16 @@ const MIN_BEND: f32 = 0.25;
 /// Maximum curvature along a marking, as a share of the curvature across it. Blobs exceed it.
 const MAX_BEND_ALONG: f32 = 0.6;
 
+/// Minimum slope of the blurred brightness on a border, grey levels / px, and minimum step between
+/// its sides, grey levels.
+const MIN_SLOPE: f64 = 2.5;
+const MIN_STEP: f64 = 15.0;
+
+/// Where the sides of a border are measured, px, and the most by which they change between these
+/// places, as a share of the step.
+const BORDER_SIDES_PX: [f64; 2] = [4.0, 8.0];
+const MAX_UNEVEN: f64 = 0.4;
+
 /// Half the width over which the contrast of a marking is summed, px. A far line, a fraction of a
 /// pixel wide, is blurred over 3 to 6 px.
 const SUMMED_PX: f64 = 5.0;
@@ -51,20 +61,57 @@ pub(super) struct RidgePixel {
     pub excess: TurfExcess,
 }
 
-/// Whether a marking is brighter or darker than the ground.
+/// How a marking differs from what is beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Tone {
+pub enum Tone {
+    /// Brighter than the ground on both sides.
     Bright,
+    /// Darker than both.
     Dark,
+    /// The border of two even areas, one brighter than the other, as of a court and its surround.
+    Border,
 }
 
-impl Tone {
-    /// Factor that makes the marking a maximum of brightness.
-    const fn sign(self) -> f32 {
-        match self {
-            Self::Bright => 1.0,
-            Self::Dark => -1.0,
-        }
+/// Where a pixel shows a ridge or a border.
+#[derive(Clone, Copy)]
+struct Crest {
+    at: ImagePoint,
+    /// Unit vector across it.
+    normal: Vec2,
+    /// How far beside it the ground differs from it, px.
+    side_px: f64,
+}
+
+impl Crest {
+    /// The crest of a tone in a pixel of a picture, by the picture's blurred brightness. The
+    /// outermost two rows and columns have none.
+    fn at_pixel(
+        grey: &GreyPicture,
+        smooth: &[f32],
+        x: usize,
+        y: usize,
+        tone: Tone,
+    ) -> Option<Self> {
+        let width = grey.size.width as usize;
+        let sign = match tone {
+            Tone::Bright => 1.0,
+            Tone::Dark => -1.0,
+            Tone::Border => return border_at(grey, smooth, x, y),
+        };
+        // Sub-pixel maximum of the blurred brightness along the normal.
+        let (normal, beside_px) = bend(smooth, y * width + x, width, sign)?;
+        let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).translate(normal * beside_px);
+        let at = match tone {
+            Tone::Bright => brightest(grey, at, normal),
+            _ => at,
+        };
+        // The contrast is measured in the unblurred picture: the blur lowers that of thin lines.
+        let side_px = contrasts(grey, at, normal, tone)?;
+        Some(Self {
+            at,
+            normal,
+            side_px,
+        })
     }
 }
 
@@ -85,19 +132,12 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea, tones: &[Tone]) 
             }
             let index = y * width + x;
             for tone in tones {
-                // Sub-pixel maximum of the blurred brightness along the normal.
-                let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else {
-                    continue;
-                };
-                let at =
-                    ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).translate(normal * beside_px);
-                let at = match tone {
-                    Tone::Bright => brightest(ground.grey(), at, normal),
-                    Tone::Dark => at,
-                };
-                // The contrast is measured in the unblurred picture: the blur lowers that of thin
-                // lines.
-                let Some(side_px) = contrasts(ground.grey(), at, normal, *tone) else {
+                let Some(Crest {
+                    at,
+                    normal,
+                    side_px,
+                }) = Crest::at_pixel(ground.grey(), &smooth, x, y, *tone)
+                else {
                     continue;
                 };
                 if !has_ground_beside(area, at, normal) {
@@ -107,7 +147,7 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea, tones: &[Tone]) 
                 // edges.
                 let at = match tone {
                     Tone::Bright => between_edges(&mut profile, ground.grey(), at, normal, side_px),
-                    Tone::Dark => at,
+                    Tone::Dark | Tone::Border => at,
                 };
                 let level = ground.grey().at(at);
                 let excess = levels.as_ref().map(|levels| levels.excess(x, y, level));
@@ -127,9 +167,9 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea, tones: &[Tone]) 
     found
 }
 
-/// The bright ridges of a whole picture, whatever the ground is: their centres, px, and the unit
+/// The crests of a tone in a whole picture, whatever the ground is: their centres, px, and the unit
 /// vectors across them.
-pub fn bright_ridges(ground: &GroundPicture) -> Vec<(ImagePoint, Vec2)> {
+pub fn crests_anywhere(ground: &GroundPicture, tone: Tone) -> Vec<(ImagePoint, Vec2)> {
     let grey = ground.grey();
     let (width, height) = (grey.size.width as usize, grey.size.height as usize);
     let smooth = gaussian_blur(grey);
@@ -137,12 +177,52 @@ pub fn bright_ridges(ground: &GroundPicture) -> Vec<(ImagePoint, Vec2)> {
         .flat_map(|y| (1..width.saturating_sub(1)).map(move |x| (x, y)));
     inner
         .filter_map(|(x, y)| {
-            let (normal, beside_px) = bend(&smooth, y * width + x, width, Tone::Bright)?;
-            let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).translate(normal * beside_px);
-            contrasts(grey, at, normal, Tone::Bright)?;
-            Some((at, normal))
+            let crest = Crest::at_pixel(grey, &smooth, x, y, tone)?;
+            Some((crest.at, crest.normal))
         })
         .collect()
+}
+
+/// The border of two even areas in a pixel.
+///
+/// As in Canny 1986 a maximum of the blurred gradient along itself. A line is none, as both its
+/// sides are alike; neither is the outline of a crowd or of letters, where these are not even.
+fn border_at(grey: &GreyPicture, smooth: &[f32], x: usize, y: usize) -> Option<Crest> {
+    let (width, height) = (grey.size.width as usize, grey.size.height as usize);
+    if x < 2 || y < 2 || x + 2 >= width || y + 2 >= height {
+        return None;
+    }
+    let gradient = |x: usize, y: usize| {
+        let at = |x: usize, y: usize| f64::from(smooth[y * width + x]);
+        0.5 * Vec2::new(at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1))
+    };
+    let steepest = gradient(x, y);
+    let slope = steepest.norm();
+    if slope < MIN_SLOPE {
+        return None;
+    }
+    // Against the neighbours along the gradient; a parabola gives the place between them.
+    let normal = steepest / slope;
+    let slope_at = |step: f64| {
+        let [x, y] = [x as f64 + step * normal.x, y as f64 + step * normal.y];
+        gradient(x.round() as usize, y.round() as usize).dot(&normal)
+    };
+    let (before, behind) = (slope_at(-1.0), slope_at(1.0));
+    if before > slope || behind >= slope {
+        return None;
+    }
+    let beside_px = 0.5 * (behind - before) / (2.0 * slope - before - behind);
+    let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).translate(normal * beside_px);
+    let level = |across: f64| grey.at(at.translate(normal * across));
+    let [near, far] = BORDER_SIDES_PX;
+    let step = level(near) - level(-near);
+    let changes = [near, -near].map(|side| (level(side * far / near) - level(side)).abs());
+    let is_border = step >= MIN_STEP && changes.iter().all(|px| *px <= MAX_UNEVEN * step);
+    is_border.then_some(Crest {
+        at,
+        normal,
+        side_px: near,
+    })
 }
 
 /// The normal of a ridge at a pixel, and the signed distance from the pixel's centre along it to
@@ -151,9 +231,8 @@ pub fn bright_ridges(ground: &GroundPicture) -> Vec<(ImagePoint, Vec2)> {
 ///
 /// As in Steger 1998: n is the eigenvector of the Hessian H with the most negative eigenvalue, and
 /// the maximum along n lies at t = −(n·∇I) / (nᵀ H n).
-fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2, f64)> {
+fn bend(smooth: &[f32], index: usize, width: usize, sign: f32) -> Option<(Vec2, f64)> {
     // The index does not wrap: the caller leaves out the outermost pixels.
-    let sign = tone.sign();
     let at =
         |dx: isize, dy: isize| sign * smooth[index.wrapping_add_signed(dy * width as isize + dx)];
     let (centre, left, right, above, below) = (at(0, 0), at(-1, 0), at(1, 0), at(0, -1), at(0, 1));
@@ -280,7 +359,7 @@ fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Op
         let brighter = one.max(other);
         let stands_out = match tone {
             Tone::Bright => here - brighter,
-            Tone::Dark => one.min(other) - here,
+            Tone::Dark | Tone::Border => one.min(other) - here,
         };
         stands_out > MIN_CONTRAST.max(MIN_CONTRAST_SHARE * brighter)
     })

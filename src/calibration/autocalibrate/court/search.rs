@@ -1,0 +1,139 @@
+//! The search for the camera of a court in a document: which pictures are looked at, with which
+//! principal points, and what would help where none decides.
+
+use super::{CourtFrame, PrincipalPoint, find_court_camera};
+use crate::autocalibrate::adjustment::refine::SearchedCamera;
+use crate::autocalibrate::frames::by_shot::spread_over_shots;
+use crate::autocalibrate::frames::sampled_frames::{PictureOfFrame, read_pictures};
+use crate::autocalibrate::progress::report;
+use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress, WantedClicks};
+use crate::calibrate::AutocalibratedCamera;
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::progress::Progress;
+use touchline_vision::paint::GroundPicture;
+
+/// Number of pictures that are looked at.
+const MAX_PICTURES: usize = 7;
+
+/// Clicked landmarks in one frame that give the camera of a court in place of the search.
+const SUFFICIENT_CLICKS: usize = 4;
+
+/// Proportions of pictures that are not cut out of others, width to height, and how far others may
+/// be from them.
+const USUAL_PROPORTIONS: [f64; 6] = [16.0 / 9.0, 4.0 / 3.0, 3.0 / 2.0, 1.0, 9.0 / 16.0, 3.0 / 4.0];
+const SAME_PROPORTION: f64 = 0.02;
+
+/// Guesses of how far below the middle the principal point of a picture lies that is cut out of
+/// another, in its widths. Each holds for half a step around it.
+const GUESSES_BELOW: [f64; 4] = [-0.1, 0.1, -0.2, 0.2];
+
+/// What the pictures of a court say.
+pub enum CourtAnswer {
+    Found(Box<AutocalibratedCamera>),
+    /// No picture decides; the clicks that would, where a picture can be read.
+    NotFound(Option<WantedClicks>),
+}
+
+/// Searches the camera of a court in the pictures of some frames of a document.
+///
+/// # Errors
+/// The search was stopped.
+pub fn search_court(
+    searched: SearchedCamera<'_>,
+    field: &FieldModel,
+    of_camera: &[usize],
+    picture: PictureOfFrame<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<CourtAnswer, AutocalibrationError> {
+    let SearchedCamera {
+        document, camera, ..
+    } = searched;
+    let chosen = spread_over_shots(document.document, of_camera, MAX_PICTURES);
+    let looking = |done| AutocalibrationProgress::Looking {
+        done,
+        of: chosen.len(),
+    };
+    report(progress, looking(0))?;
+    let mut pictures = read_pictures(&chosen, picture);
+    // Pictures of another size are another camera's.
+    let Some(size) = pictures.first().map(|(_, picture)| picture.size()) else {
+        return Ok(CourtAnswer::NotFound(None));
+    };
+    pictures.retain(|(_, picture)| picture.size() == size);
+    let frames: Vec<CourtFrame> = pictures
+        .iter()
+        .map(|(index, picture)| {
+            let masks = document.masks_of(&document.frames[*index]);
+            CourtFrame::new(*index, GroundPicture::new(picture, &masks))
+        })
+        .collect();
+    let stated = document
+        .document
+        .camera(camera)
+        .filter(|camera| camera.image_size == size);
+    let stated = stated.map_or(size.centre(), |camera| camera.principal_point);
+    let mut best: Option<AutocalibratedCamera> = None;
+    for principal_point in principal_points(stated, size) {
+        report(progress, looking(frames.len()))?;
+        let found = find_court_camera(&frames, field, principal_point);
+        if found.is_some() && !principal_point.is_guess {
+            best = found;
+            break;
+        }
+        // Half a step beside the truth, all lines lie on paint as well, but less well.
+        let nats = |camera: &AutocalibratedCamera| camera.evidence.nats;
+        best = best
+            .into_iter()
+            .chain(found)
+            .max_by(|a, b| nats(a).total_cmp(&nats(b)));
+    }
+    if let Some(found) = best {
+        return Ok(CourtAnswer::Found(Box::new(found)));
+    }
+    let fullest = frames
+        .iter()
+        .max_by(|a, b| a.length_px().total_cmp(&b.length_px()));
+    Ok(CourtAnswer::NotFound(fullest.map(|frame| WantedClicks {
+        frame: frame.index,
+        landmarks: SUFFICIENT_CLICKS,
+        named: Vec::new(),
+    })))
+}
+
+/// The principal point that is stated, and guesses where the picture is cut out of another and the
+/// one stated is but its middle.
+fn principal_points(stated: ImagePoint, size: ImageSize) -> impl Iterator<Item = PrincipalPoint> {
+    let [width, height] = [size.width, size.height].map(f64::from);
+    let is_usual = |usual: &f64| (width / height / usual - 1.0).abs() <= SAME_PROPORTION;
+    let is_cut = stated == size.centre() && !USUAL_PROPORTIONS.iter().any(is_usual);
+    let guesses = is_cut.then_some(GUESSES_BELOW).into_iter().flatten();
+    let guess = move |below: f64| PrincipalPoint {
+        at: ImagePoint::new(stated.x, stated.y + below * width),
+        is_guess: true,
+    };
+    std::iter::once(PrincipalPoint {
+        at: stated,
+        is_guess: false,
+    })
+    .chain(guesses.map(guess))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_pictures_that_are_cut_out_of_others_have_guessed_principal_points() {
+        let num_points = |width, height, x: f64| {
+            let size = ImageSize::new(width, height);
+            principal_points(ImagePoint::new(x, size.centre().y), size).count()
+        };
+        assert_eq!(num_points(1280, 720, 640.0), 1);
+        assert_eq!(num_points(1440, 1080, 720.0), 1);
+        assert_eq!(num_points(540, 960, 270.0), 1);
+        assert_eq!(num_points(1280, 640, 640.0), 5);
+        // Somebody knows it.
+        assert_eq!(num_points(1280, 640, 648.0), 1);
+    }
+}
