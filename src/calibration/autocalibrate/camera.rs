@@ -31,7 +31,7 @@ use crate::autocalibrate::{
 use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
 use touchline_core::progress::Progress;
-use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
+use touchline_documents::document::{Camera, CameraId, DocumentAt, FrameStatus};
 use touchline_vision::paint::GroundPicture;
 
 /// Fewer clicks on landmarks of the ground determine no pose.
@@ -184,8 +184,7 @@ impl<'a> Search<'a> {
                 CourtFrame {
                     index: *index,
                     ground: GroundPicture::new(picture, &masks),
-                    principal_point: stated
-                        .map_or(picture.size().centre(), |camera| camera.principal_point),
+                    lens: stated.map(Camera::stated_lens).unwrap_or_default(),
                 }
             })
             .collect();
@@ -194,13 +193,13 @@ impl<'a> Search<'a> {
         Ok(found.filter(|found| contradicting_click(found, &self.clicks, frames).is_none()))
     }
 
-    /// The matched frames with the principal point that the document states of the camera.
-    fn with_principal_point(&self, matched: MatchedFrames) -> MatchedFrames {
+    /// The matched frames with the lens that the document states of the camera.
+    fn with_stated_lens(&self, matched: MatchedFrames) -> MatchedFrames {
         let SearchedCamera {
             document, camera, ..
         } = self.searched;
         match document.document.camera(camera) {
-            Some(camera) => matched.with_principal_point(camera.principal_point, camera.image_size),
+            Some(camera) => matched.with_lens(camera.stated_lens(), camera.image_size),
             None => matched,
         }
     }
@@ -216,7 +215,7 @@ impl<'a> Search<'a> {
         let matched = self
             .sample(self.choose_frames(max_sampled), sampled, picture)
             .and_then(|()| MatchedFrames::from_sampled(sampled, self.progress))
-            .map(|matched| self.with_principal_point(matched));
+            .map(|matched| self.with_stated_lens(matched));
         let (answer, matched) = match matched {
             Ok(matched) => (self.find(&matched, picture), Some(matched)),
             Err(stop) => (Err(stop), None),

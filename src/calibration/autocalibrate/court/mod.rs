@@ -38,9 +38,9 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, Autocalibratio
 use crate::evidence::Evidence;
 use picture::{MAX_CONTRADICTED, PictureCamera, camera_of_picture};
 use rayon::prelude::*;
-use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera, StatedLens};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, subsample};
+use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
@@ -69,7 +69,8 @@ pub struct CourtFrame {
     /// Its index in the document.
     pub index: usize,
     pub ground: GroundPicture,
-    pub principal_point: ImagePoint,
+    /// Its lens as it is stated.
+    pub lens: StatedLens,
 }
 
 /// The camera of some frames of one court. None where the pictures are not decisive.
@@ -280,7 +281,7 @@ fn adjust_to_paint(
         .collect();
     adjust(
         field,
-        first.ground.size(),
+        (first.ground.size(), &first.lens),
         cameras.iter().map(|(_, camera)| *camera),
         &frames,
     )
@@ -290,21 +291,21 @@ fn adjust_to_paint(
 fn adjust_to_places(
     field: &FieldModel,
     size: ImageSize,
-    camera: &PtzCamera,
+    (camera, lens): (&PtzCamera, &StatedLens),
     places: Vec<Observation>,
 ) -> Option<PtzCamera> {
     let frames = [FrameClicks {
         observations: places,
         start: Some(camera.ptz()),
     }];
-    Some(adjust(field, size, std::iter::once(*camera), &frames)?[0])
+    Some(adjust(field, (size, lens), std::iter::once(*camera), &frames)?[0])
 }
 
 /// Adjusts the base of some cameras and their views. None where a frame has too few observations,
 /// or the base flees the field.
 fn adjust(
     field: &FieldModel,
-    size: ImageSize,
+    (size, lens): (ImageSize, &StatedLens),
     cameras: impl Iterator<Item = PtzCamera> + Clone,
     frames: &[FrameClicks],
 ) -> Option<Vec<PtzCamera>> {
@@ -324,7 +325,8 @@ fn adjust(
         principal_point: None,
     };
     let ptz: Vec<Option<Ptz>> = cameras.map(|camera| Some(camera.ptz())).collect();
-    let adjusted = adjust_base(&clicks, &base, &ptz, &model, &AdjustOptions::default());
+    let options = AdjustOptions::default().with_lens(lens, size);
+    let adjusted = adjust_base(&clicks, &base, &ptz, &model, &options);
     let is_sane = adjusted.base.is_finite()
         && adjusted.base.position_m.norm() < FARTHEST_LENGTHS * field.length_m;
     let with_base = |ptz: Option<Ptz>| Some(PtzCamera::new(adjusted.base, ptz?));

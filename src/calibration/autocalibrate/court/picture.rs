@@ -75,7 +75,7 @@ pub fn camera_of_picture(frame: &CourtFrame, field: &FieldModel) -> Option<Pictu
         grid: &Grid::of(field),
         lines: &lines,
         size: frame.ground.size(),
-        principal_point: frame.principal_point,
+        lens: frame.lens,
     };
     let mut weighed = weigh_on_paint(cameras_on_lines(&shown), &shown, frame);
     weighed.sort_by(|a, b| b.agreement.score().total_cmp(&a.agreement.score()));
@@ -113,11 +113,11 @@ fn cameras_on_lines(shown: &ShownLines<'_>) -> Vec<PtzCamera> {
         }
     }
     let adjust = |pose: &PlanePose| {
-        let mut camera = pose.camera(shown.principal_point);
+        let mut camera = pose.camera(shown.principal_point());
         for _ in 0..ROUNDS_ON_LINES {
             let agreement = shown.compare(&pose_of(&camera))?;
             let places = shown.observations(&agreement);
-            camera = adjust_to_places(shown.field, shown.size, &camera, places)?;
+            camera = adjust_to_places(shown.field, shown.size, (&camera, &shown.lens), places)?;
         }
         Some((camera, shown.compare(&pose_of(&camera))?.score()))
     };

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::autocalibrate::search::places::is_court;
+use touchline_core::camera::StatedLens;
 use touchline_core::field::builtin;
 use touchline_core::geometry::{Angle, Vec3};
 use touchline_core::markings::{SampleOptions, sample_lines};
@@ -61,7 +62,7 @@ fn frames(field: &FieldModel, cameras: &[PtzCamera]) -> Vec<CourtFrame> {
     let frame = |(index, camera): (usize, &PtzCamera)| CourtFrame {
         index,
         ground: GroundPicture::new(&draw(field, camera), &[]),
-        principal_point: SIZE.centre(),
+        lens: StatedLens::default(),
     };
     cameras.iter().enumerate().map(frame).collect()
 }
@@ -104,7 +105,7 @@ fn bare() -> CourtFrame {
     CourtFrame {
         index: 9,
         ground: GroundPicture::new(&Picture::with_colour(SIZE, [90, 90, 90, 255]), &[]),
-        principal_point: SIZE.centre(),
+        lens: StatedLens::default(),
     }
 }
 

@@ -69,6 +69,7 @@ impl KnownFrames<'_> {
             picture,
             open_field,
         } = self;
+        let options = &options.clone().with_lens(&problem.lens, problem.image_size);
         // Steps 1 and 2: measure paint from the initial cameras and adjust with the richest model
         // of the base that the data allow. The result is only the start for what follows.
         let first_field = problem.field.clone();
