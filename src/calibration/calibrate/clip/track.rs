@@ -10,11 +10,10 @@ use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
 use super::fit::{ClipFit, FittedClip, PaintVerdicts};
 use super::frames::{ClipFrame, ClipFrames};
-use super::measured_length::LengthOnLines;
 use super::options::{ClipProgress, TrackClipOptions};
 use super::pictures::ClipPictures;
 use super::unmeasured::Unmeasured;
-use super::unseen_size::is_size_stated;
+use crate::calibrate::LengthOnLines;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
@@ -173,7 +172,7 @@ pub(super) fn track_readable(
     } = paint_verdicts;
     // The size of the field is open unless it is stated, and where the paint contradicts what is
     // stated.
-    let unmeasured = if is_size_stated(spec.size()) && !is_of_other_field {
+    let unmeasured = if spec.is_size_stated() && !is_of_other_field {
         Unmeasured::default()
     } else {
         Unmeasured::measure(&fit, &by_points, &paint, reader)?

@@ -4,8 +4,10 @@
 use super::certainty::{DIFFER_PX, PaintVerdict};
 use super::error::TrackClipError;
 use super::fit::ClipFit;
-use super::measured_length::{FRAMES, LengthOnLines, PosedPicture, measure_length, other_length};
-use super::unseen_size::UnseenSize;
+use crate::calibrate::field_size::on_lines::{
+    FRAMES, LengthOnLines, PosedPicture, measure_length, other_length,
+};
+use crate::calibrate::field_size::unseen::UnseenSize;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImageSize, subsample};

@@ -5,6 +5,7 @@ mod landmark_fit;
 mod misnamed;
 #[cfg(test)]
 mod tests;
+mod with_size;
 
 use super::own_cameras::cameras_from_lines;
 use crate::calibrate::base_readiness::LANDMARKS_ALONE;

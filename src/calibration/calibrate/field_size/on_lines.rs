@@ -8,8 +8,8 @@
 //! from tracked points alone: a camera that was aligned to the paint in question, with the assumed
 //! length, has turned by most of the length's error, and confirms what was assumed.
 
-use super::unseen_size::{UnseenSize, is_size_stated, move_base};
-use crate::calibrate::base::field_size::set_field_size;
+use super::unseen::{UnseenSize, move_base};
+use super::written::set_field_size;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldError;
@@ -159,7 +159,7 @@ pub(in crate::calibrate) fn other_length(
         size,
         shifts,
         frames,
-        is_prescribed: is_size_stated(spec.size()),
+        is_prescribed: spec.is_size_stated(),
     }))
 }
 

@@ -13,15 +13,15 @@
 //! what is seen moves as the mean share. The variance of the slope, joined with that of the rules,
 //! is what remains open: all of it where one part alone is seen.
 
-use crate::calibrate::base::size_fit::OpenSize;
-use crate::calibrate::base::size_on_paint::alone_sigma_m;
+use super::OpenSize;
+use super::on_paint::alone_sigma_m;
 use crate::calibrate::is_anchor;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::geometry::{ImageSize, Vec2, Vec3, median_high, subsample};
 use touchline_core::markings::{SampleOptions, sample_lines};
 use touchline_core::solve::base::{SizeParam, usual_displacement_m};
-use touchline_documents::document::{Camera, DocumentAt, FieldSize, FrameStatus};
+use touchline_documents::document::{Camera, DocumentAt, FrameStatus};
 
 /// Distance between samples of a line, px at 1920 px width.
 const SPACING_PX: f64 = 16.0;
@@ -86,7 +86,7 @@ impl UnseenSize {
         };
         let spec = at.document.field_of_camera(&camera.id);
         let field = at.model_of(spec)?;
-        let size = OpenSize::new(spec.template(at.folder)?, &field);
+        let size = OpenSize::of(at, spec, &field)?;
         let known = at
             .document
             .frames
@@ -293,11 +293,6 @@ impl UnseenSize {
         });
         is_comparable.then(|| motions.collect())
     }
-}
-
-/// Whether a person or a file states the size of a field, so that it is not open.
-pub(in crate::calibrate) fn is_size_stated(size: &FieldSize) -> bool {
-    !matches!(size, FieldSize::Assumed | FieldSize::Fitted)
 }
 
 /// A base at another place.
