@@ -153,7 +153,7 @@ pub fn two_roots() -> Document {
         .unwrap();
     let size = document.cameras[0].image_size;
     let mut looks = (-80..20).map(|pan| {
-        let camera = PtzCamera::new(base, Ptz::from_degrees(f64::from(pan), -14.0, 1300.0));
+        let camera = PtzCamera::new(base, Ptz::from_degrees(f64::from(pan), -14.0, 1800.0));
         let seen = field.landmarks.iter().filter_map(|landmark| {
             let at = camera.image_from_world(field.landmark_in_world(landmark));
             let at = at.ok().filter(|at| size.contains(*at))?;
@@ -166,7 +166,7 @@ pub fn two_roots() -> Document {
     let clicks = looks.find_map(|mut clicks| {
         clicks.sort_by(|one, other| one.image.x.total_cmp(&other.image.x));
         let ends = [clicks.first()?.clone(), clicks.last()?.clone()];
-        (apart_px(&ends) > 500.0).then_some(ends)
+        (apart_px(&ends) > 700.0).then_some(ends)
     });
     let frame = &mut document.frames[0];
     (frame.ptz, frame.solution) = (None, None);

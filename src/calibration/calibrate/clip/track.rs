@@ -5,6 +5,7 @@
 use super::anchors::anchors;
 use super::certainty::{
     BaseWitnesses, DIFFER_PX, PaintVerdict, TrackedOverlay, confidence, with_common,
+    with_unseen_lines,
 };
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
@@ -238,19 +239,19 @@ pub(super) fn track_readable(
             continue;
         }
         // The uncertainty of the frame: its part of the joint covariance, the error common to all
-        // frames, and the base's.
+        // frames, that of lines that no known frame shows, and the base's.
         let reached = smoothed[frame]
             .zip(adjusted.frames[frame])
             .and_then(|(ptz, adjusted)| {
                 let is_focal_known = camera.focal_px_at(frame).is_some();
                 let covariance = with_common(adjusted.covariance, ptz, size, is_focal_known);
                 let camera = PtzCamera::new(camera.base_at(frame), ptz);
-                Some((
-                    camera,
-                    Uncertainty::from_covariance(&camera, covariance, size).ok()?,
-                ))
+                let length_px = unmeasured.sigma_px(&camera, size);
+                let covariance = with_unseen_lines(covariance, length_px, ptz);
+                let known = Uncertainty::from_covariance(&camera, covariance, size).ok()?;
+                Some((camera, known, length_px))
             });
-        let Some((camera, uncertainty)) = reached else {
+        let Some((camera, uncertainty, length_px)) = reached else {
             // A camera that it had before stays.
             tracked
                 .missed
@@ -260,7 +261,6 @@ pub(super) fn track_readable(
         // Where the paint agrees, a disagreement between the two directions of propagation is
         // settled.
         let apart_px = propagated.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
-        let length_px = unmeasured.sigma_px(&camera, size);
         // Paint that agrees here, or in a frame that shows nearly the same, confirms the base in
         // this direction: its σ then does not count.
         let is_base_shown = paint[frame] == PaintVerdict::Agrees || witnesses.show(camera.ptz());
@@ -271,7 +271,6 @@ pub(super) fn track_readable(
         };
         let overlay = TrackedOverlay {
             corner_px: of_camera.worst_corner_sigma_px(&camera, size),
-            length_px,
             apart_px,
             paint: paint[frame],
         };

@@ -181,8 +181,7 @@ mod tests {
     /// The confidence in a frame with an otherwise nearly exact overlay.
     fn confidence_at(unseen: &UnseenSize, base: &CameraBase, pan_deg: f64) -> f64 {
         let overlay = TrackedOverlay {
-            corner_px: 0.5,
-            length_px: unseen.sigma_px(base, look(pan_deg), SIZE),
+            corner_px: unseen.sigma_px(base, look(pan_deg), SIZE).hypot(0.5),
             apart_px: None,
             paint: PaintVerdict::Agrees,
         };
