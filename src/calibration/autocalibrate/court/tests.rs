@@ -4,7 +4,7 @@ use super::*;
 use crate::autocalibrate::search::places::is_court;
 use touchline_core::camera::StatedLens;
 use touchline_core::field::builtin;
-use touchline_core::geometry::{Angle, Vec3};
+use touchline_core::geometry::{Angle, ImagePoint, Vec3};
 use touchline_core::markings::{SampleOptions, sample_lines};
 use touchline_core::testing::turned_base;
 use touchline_vision::media::Picture;

@@ -103,9 +103,10 @@ mod tests {
     use touchline_core::field::builtin;
     use touchline_core::geometry::Vec3;
     use touchline_core::testing::base_at;
-    use touchline_documents::document::{Document, FieldSize, FramePtz, FrameStatus};
-    use touchline_documents::testing::match_from;
-    use touchline_documents::testing::new_frame;
+    use touchline_documents::document::{
+        Click, Document, FieldSize, Frame, FramePtz, FrameStatus, SolutionSource, Target,
+    };
+    use touchline_documents::testing::{match_from, new_frame, solved_by};
     use touchline_vision::media::Picture;
     use touchline_vision::synthetic::{FrameOptions, Stadium, StadiumOptions, stadium};
 
@@ -258,6 +259,21 @@ mod tests {
             let unseen = unseen_length(&known_at(&base(), pans_deg, 104.0));
             assert!(unseen.is_open(), "{pans_deg:?}");
         }
+    }
+
+    /// Clicks at the right end say nothing of the circle at the edge of the same picture.
+    #[test]
+    fn of_a_clicked_frame_only_the_lines_with_clicks_are_seen() {
+        let mut document = known_at(&base(), &[22.0], 104.0);
+        let frame: &mut Frame = &mut document.frames[0];
+        frame.solution = solved_by(SolutionSource::Clicks);
+        let at = SIZE.centre();
+        let ends = ["goal_area_far_right_goal_line", "corner_far_right"];
+        frame.clicks = ends.map(|id| Click::landmark(id.into(), at)).into();
+        assert!(unseen_length(&document).is_open());
+        let circle = Click::new(Target::Line("centre_circle".into()), at);
+        document.frames[0].clicks.push(circle);
+        assert!(!unseen_length(&document).is_open());
     }
 
     /// Where the right end was seen, the camera moves with it.
