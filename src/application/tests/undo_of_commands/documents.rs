@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::{BaseAngles, FocalCurve, Ptz};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{
     Click, ClickOrigin, Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
@@ -141,36 +141,21 @@ pub fn displaced() -> Document {
     document
 }
 
-/// Two points on one ray from the principal point, which lies beside the picture as that of a
-/// picture cut from a wider one: two focal lengths fit, whose product is that of the distances.
+/// Two landmarks straight before the camera, in a picture cut from above its principal point: two
+/// tilts and focal lengths fit.
 pub fn two_roots() -> Document {
     let mut document = drafts();
-    document.cameras[0].principal_point = ImagePoint::new(-800.0, 360.0);
-    let base = document.cameras[0].base().unwrap();
-    let field = document
-        .at(Path::new(""))
-        .model_of(&document.field)
-        .unwrap();
-    let size = document.cameras[0].image_size;
-    let mut looks = (-80..20).map(|pan| {
-        let camera = PtzCamera::new(base, Ptz::from_degrees(f64::from(pan), -14.0, 1800.0));
-        let seen = field.landmarks.iter().filter_map(|landmark| {
-            let at = camera.image_from_world(field.landmark_in_world(landmark));
-            let at = at.ok().filter(|at| size.contains(*at))?;
-            let is_along = (at.y - 360.0).abs() < 40.0;
-            is_along.then(|| Click::landmark(landmark.id.clone(), at))
-        });
-        seen.collect::<Vec<Click>>()
-    });
-    let apart_px = |clicks: &[Click]| clicks[0].image.distance_px(clicks[1].image);
-    let clicks = looks.find_map(|mut clicks| {
-        clicks.sort_by(|one, other| one.image.x.total_cmp(&other.image.x));
-        let ends = [clicks.first()?.clone(), clicks.last()?.clone()];
-        (apart_px(&ends) > 700.0).then_some(ends)
-    });
+    let mut base = document.cameras[0].base().unwrap();
+    base.position_m.x = 0.0;
+    base.base_from_world = BaseAngles::default().base_from_world();
+    base.principal_point = ImagePoint::new(640.0, 1520.0);
+    base.distortion = FocalCurve::NONE;
+    document.cameras[0].set_base(&base);
     let frame = &mut document.frames[0];
     (frame.ptz, frame.solution) = (None, None);
-    frame.clicks = clicks.unwrap().into();
+    frame.clicks = [("centre_mark", 50.0), ("halfway_near", 680.0)]
+        .map(|(id, y)| Click::landmark(id.into(), ImagePoint::new(640.0, y)))
+        .into();
     document
 }
 
