@@ -42,10 +42,9 @@ pub use clip::{
     TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame, track_clip,
 };
 pub(crate) use disagreement::disagreement;
-pub(crate) use field_size::OpenSize;
 pub(crate) use field_size::on_lines::LENGTH_UNSEEN;
 pub use field_size::on_lines::LengthOnLines;
-pub(crate) use field_size::on_paint::{UNSTEADY_SHARE, alone_sigma_m, as_paint_alone_gives};
+pub(crate) use field_size::{OpenSize, UNSTEADY_SHARE, alone_sigma_m, as_paint_alone_gives};
 pub use frames::calibration::{CalibrationError, calibrate, observations};
 pub use frames::frame_lookup::FrameLookup;
 pub(crate) use frames::own_covariance::{covariance_on_paint, own_covariance};

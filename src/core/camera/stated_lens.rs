@@ -25,8 +25,8 @@ pub struct StatedRadial {
     pub per_1000_px_sigma: f64,
 }
 
-/// The least 1-σ of a stated k₁ and of its change per 1000 px: lenses are stated with two or three
-/// digits. Together they move the corner of a 1080p broadcast by less than a pixel.
+/// The least 1-σ of a stated k₁ and of its change per 1000 px: lenses are stated with two or
+/// three digits. Together they move the corner of a 1080p broadcast by less than a pixel.
 const LEAST_K1_SIGMA: f64 = 0.005;
 const LEAST_SLOPE_SIGMA: f64 = 0.002;
 

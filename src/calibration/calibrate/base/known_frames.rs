@@ -5,7 +5,7 @@
 //!    are measured (`paint_observations.rs`).
 //! 2. Base and frames are adjusted to them.
 //! 3. Paint is measured once more from the adjusted cameras. Where the size of the field is unknown
-//!    it is fitted, and paint measured again, until it stands still (`field_size/on_paint.rs`).
+//!    it is fitted, and paint measured again, until it stands still (`size_on_paint.rs`).
 //! 4. The base is estimated from that paint. Lens and crown are chosen by their error at held-out
 //!    paint.
 
@@ -13,8 +13,8 @@ use super::on_paint::{BasePaintEvidence, OnPaintErrors};
 use super::paint_observations::{
     BaseOnPaintError, KnownCameras, PaintObservations, frames_on_field,
 };
-use crate::calibrate::field_size::OpenSize;
-use crate::calibrate::field_size::on_paint::{MeasuredFrames, SizingOnPaint, alone_sigma_m};
+use super::size_on_paint::{MeasuredFrames, SizingOnPaint};
+use crate::calibrate::field_size::{OpenSize, alone_sigma_m};
 use crate::calibrate::{BaseEstimationError, BaseProblem};
 use touchline_core::geometry::PixelBox;
 use touchline_core::progress::Progress;

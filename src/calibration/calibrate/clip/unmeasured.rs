@@ -1,6 +1,7 @@
 //! What the known cameras of a clip leave open of the size of its field, as far as its own pictures
 //! do not measure it.
 
+use super::anchors::is_anchor;
 use super::certainty::{DIFFER_PX, PaintVerdict};
 use super::error::TrackClipError;
 use super::fit::ClipFit;
@@ -11,9 +12,15 @@ use crate::calibrate::field_size::unseen::UnseenSize;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImageSize, subsample};
+use touchline_documents::document::Frame;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::paint::GroundPicture;
 use touchline_vision::track::{AdjustedClip, AdjustedFrame};
+
+/// Whether a frame's camera says what its picture shows.
+fn known(_: usize, frame: &Frame) -> bool {
+    is_anchor(frame)
+}
 
 /// The lengths of a clip's field with their errors.
 #[derive(Default)]
@@ -43,9 +50,10 @@ impl Unmeasured {
             .filter(|(_, verdict)| **verdict == PaintVerdict::Contradicts)
             .filter_map(|(frame, _)| frame.place)
             .collect();
-        let is_wrong = |place: usize| contradicted.contains(&place);
+        let is_known =
+            |place: usize, frame: &Frame| known(place, frame) && !contradicted.contains(&place);
         let mut found = Self {
-            sizes: UnseenSize::from_known_frames(at, camera, &is_wrong)?,
+            sizes: UnseenSize::from_known_frames(at, camera, &is_known)?,
             lengths: Vec::new(),
         };
         if fit.options.paint_every == 0 {
@@ -78,7 +86,7 @@ impl Unmeasured {
                 continue;
             };
             unseen.take_measured(size.value_m, size.sigma_m);
-            let other = other_length(at, &clip.camera, unseen, size, looks.len())?;
+            let other = other_length(at, &clip.camera, unseen, size, looks.len(), &known)?;
             found.lengths.extend(other);
         }
         Ok(found)
@@ -104,7 +112,7 @@ mod tests {
     use touchline_core::geometry::Vec3;
     use touchline_core::testing::base_at;
     use touchline_documents::document::{
-        Click, Document, FieldSize, Frame, FramePtz, FrameStatus, SolutionSource, Target,
+        Click, Document, FieldSize, FramePtz, FrameStatus, SolutionSource, Target,
     };
     use touchline_documents::testing::{match_from, new_frame, solved_by};
     use touchline_vision::media::Picture;
@@ -148,7 +156,7 @@ mod tests {
     /// What known frames leave open of the length.
     fn unseen_length(document: &Document) -> UnseenSize {
         let at = document.at(Path::new(""));
-        let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &|_| false);
+        let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &known);
         let mut sizes = sizes.unwrap().into_iter();
         sizes
             .find(|unseen| unseen.param().name == "length_m")
@@ -242,7 +250,7 @@ mod tests {
                 assert_eq!(sure, is_right, "{assumed_m} m, {pan_deg}°: {size:?}");
             }
             let at = document.at(Path::new(""));
-            let other = other_length(at, &"main".into(), &unseen, size, ends.len());
+            let other = other_length(at, &"main".into(), &unseen, size, ends.len(), &known);
             assert_eq!(other.unwrap().is_some(), !is_right, "{assumed_m} m");
         }
     }
@@ -295,7 +303,7 @@ mod tests {
             let off_m = (size.value_m - length_m).abs();
             assert!(off_m < 0.5 && off_m < 2.0 * size.sigma_m, "{size:?}");
             let at = document.at(Path::new(""));
-            let other = other_length(at, &"main".into(), &unseen, size, middle.len());
+            let other = other_length(at, &"main".into(), &unseen, size, middle.len(), &known);
             let other = other.unwrap().expect("another length");
             assert_eq!(other.is_prescribed, stated.is_some());
             take_length(&mut document, &other);

@@ -14,8 +14,7 @@
 //! is what remains open: all of it where one part alone is seen.
 
 use super::OpenSize;
-use super::on_paint::alone_sigma_m;
-use crate::calibrate::is_anchor;
+use super::alone_sigma_m;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldError, FieldLine, FieldModel};
 use touchline_core::geometry::{ImageSize, Vec2, Vec3, median_high, subsample};
@@ -73,16 +72,15 @@ pub(in crate::calibrate) struct UnseenSize {
 }
 
 impl UnseenSize {
-    /// What the known frames of a camera leave open of the size of its field. Rejected frames, and
-    /// those at an index of which `is_wrong` is true, say nothing. Empty without a base, or if the
-    /// rules fix the size.
+    /// What the known frames of a camera, by index and frame, leave open of the size of its field.
+    /// Rejected ones say nothing. Empty without a base, or if the rules fix the size.
     ///
     /// # Errors
     /// The field is not valid.
     pub fn from_known_frames(
         at: DocumentAt<'_>,
         camera: &Camera,
-        is_wrong: &dyn Fn(usize) -> bool,
+        is_known: &dyn Fn(usize, &Frame) -> bool,
     ) -> Result<Vec<Self>, FieldError> {
         let Some(base) = camera.base() else {
             return Ok(Vec::new());
@@ -98,8 +96,7 @@ impl UnseenSize {
             .filter(|(index, frame)| {
                 frame.camera == camera.id
                     && frame.status != FrameStatus::Rejected
-                    && is_anchor(frame)
-                    && !is_wrong(*index)
+                    && is_known(*index, frame)
             });
         let known: Vec<KnownFrame> = known
             .filter_map(|(_, frame)| KnownFrame::new(frame, &base, &field))

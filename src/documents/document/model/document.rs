@@ -187,7 +187,7 @@ impl Document {
 
     /// The lens of a frame as somebody stated it: the frame's own, or that of its camera.
     pub fn stated_lens(&self, frame: &Frame) -> StatedLens {
-        let own = frame.lens.as_ref().map(FrameLens::stated);
+        let own = frame.lens.as_ref().map(FrameLens::stated_lens);
         let of_camera = || self.camera_of(frame).map(Camera::stated_lens);
         own.or_else(of_camera).unwrap_or_default()
     }

@@ -64,7 +64,7 @@ impl FrameLens {
     }
 
     /// The lens as the prior of a search that does not take it for exact.
-    pub fn stated(&self) -> StatedLens {
+    pub fn stated_lens(&self) -> StatedLens {
         let curve = FocalCurve::through(self.radial()).unwrap_or(FocalCurve::NONE);
         StatedLens {
             principal_point: Some(self.principal_point),

@@ -11,47 +11,14 @@
 //! 1 m and moves the near line by 20 px. So the fitted lines have to find as much paint as the
 //! lines before.
 
-use super::OpenSize;
+use super::paint_observations::{KnownCameras, PaintObservations};
 use crate::calibrate::BaseProblem;
-use crate::calibrate::base::paint_observations::{KnownCameras, PaintObservations};
+use crate::calibrate::field_size::OpenSize;
+use crate::calibrate::field_size::{alone_sigma_m, as_paint_alone_gives};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::PixelBox;
 use touchline_core::solve::base::{AdjustOptions, BaseModel, FittedSize};
 use touchline_vision::media::Picture;
-
-/// Minimum 1-σ of the position along each axis, and of a fitted length of the field, where paint
-/// alone determines it, as a share of the field's width: 0.3 m on a soccer pitch.
-///
-/// Deviations of the real ground from the model are common to all frames, so the scatter of the
-/// paint does not show them. Positions differ by 0.06 to 0.64 m from those fitted to people's
-/// clicks, where the scatter alone suggests 0.05 m; widths differ by up to 0.8 m where it suggests
-/// 0.04 to 0.13 m. If clicks give a position too, half of the difference between the two is used
-/// instead.
-const ALONE_SHARE: f64 = 0.3 / 68.0;
-
-/// A length that paint alone gives is not steady beyond this 1-σ (a share of the field's width: 1 m
-/// on a soccer pitch): a far line that is off by 2 px gives a width that is off by that.
-pub(crate) const UNSTEADY_SHARE: f64 = 1.0 / 68.0;
-
-/// Paint alone does not determine a length beyond this 1-σ, even where the rules leave it far more
-/// open. A length between the two is shown, but the search goes on: taken for open, its line would
-/// be drawn where the usual size has it, 13 px beside a far touchline whose width was known to
-/// 1.06 m.
-const OPEN_SHARE: f64 = 1.5 * UNSTEADY_SHARE;
-
-/// The minimum 1-σ of a position and of a length on a field, where paint alone determines them, m.
-pub(crate) fn alone_sigma_m(field: &FieldModel) -> f64 {
-    ALONE_SHARE * field.width_m
-}
-
-/// Raises the σ of each length to the floor that applies to paint alone, and marks the lengths that
-/// it does not determine.
-pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize], field: &FieldModel) {
-    for length in sizes {
-        length.is_open |= length.sigma_m > OPEN_SHARE * field.width_m;
-        length.cover_error(alone_sigma_m(field));
-    }
-}
 
 /// A fitted size is taken if the lines of that field find at least this share of the paint that
 /// those of the assumed size find; less than 1 for what changes by chance.
@@ -66,7 +33,7 @@ const SETTLED_SHARE: f64 = 1.0 / 3.0;
 const MAX_FITS: usize = 4;
 
 /// Frames with their paint, and the cameras from which it was measured.
-pub(in crate::calibrate) struct MeasuredFrames {
+pub(super) struct MeasuredFrames {
     pub problem: BaseProblem,
     pub start: KnownCameras,
     pub seen: PaintObservations,
@@ -93,7 +60,7 @@ impl MeasuredFrames {
 }
 
 /// How the size of a field is fitted to the paint of known frames.
-pub(in crate::calibrate) struct SizingOnPaint<'a> {
+pub(super) struct SizingOnPaint<'a> {
     pub size: &'a OpenSize,
     pub model: &'a BaseModel,
     pub adjust: &'a AdjustOptions,
