@@ -1,5 +1,5 @@
-//! The base of a camera from the clicks and the painted lines of its frames. The frames that have no
-//! clicks follow when a base has changed. The mathematics is in `touchline_core::solve`; here
+//! The base of a camera from the clicks and the painted lines of its frames. The frames that have
+//! no clicks follow when a base has changed. The mathematics is in `touchline_core::solve`; here
 //! documents become its problems, and its results are written back.
 
 pub mod after_merge;

@@ -18,7 +18,7 @@ use touchline_vision::paint::GroundPicture;
 use touchline_vision::track::{AdjustedClip, AdjustedFrame};
 
 /// Whether a frame's camera says what its picture shows.
-fn known(_: usize, frame: &Frame) -> bool {
+fn is_known(_: usize, frame: &Frame) -> bool {
     is_anchor(frame)
 }
 
@@ -50,10 +50,10 @@ impl Unmeasured {
             .filter(|(_, verdict)| **verdict == PaintVerdict::Contradicts)
             .filter_map(|(frame, _)| frame.place)
             .collect();
-        let is_known =
-            |place: usize, frame: &Frame| known(place, frame) && !contradicted.contains(&place);
+        let is_right =
+            |place: usize, frame: &Frame| is_anchor(frame) && !contradicted.contains(&place);
         let mut found = Self {
-            sizes: UnseenSize::from_known_frames(at, camera, &is_known)?,
+            sizes: UnseenSize::from_known_frames(at, camera, &is_right)?,
             lengths: Vec::new(),
         };
         if fit.options.paint_every == 0 {
@@ -86,7 +86,7 @@ impl Unmeasured {
                 continue;
             };
             unseen.take_measured(size.value_m, size.sigma_m);
-            let other = other_length(at, &clip.camera, unseen, size, looks.len(), &known)?;
+            let other = other_length(at, &clip.camera, unseen, size, looks.len(), &is_known)?;
             found.lengths.extend(other);
         }
         Ok(found)
@@ -156,7 +156,7 @@ mod tests {
     /// What known frames leave open of the length.
     fn unseen_length(document: &Document) -> UnseenSize {
         let at = document.at(Path::new(""));
-        let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &known);
+        let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &is_known);
         let mut sizes = sizes.unwrap().into_iter();
         sizes
             .find(|unseen| unseen.param().name == "length_m")
@@ -250,7 +250,7 @@ mod tests {
                 assert_eq!(sure, is_right, "{assumed_m} m, {pan_deg}°: {size:?}");
             }
             let at = document.at(Path::new(""));
-            let other = other_length(at, &"main".into(), &unseen, size, ends.len(), &known);
+            let other = other_length(at, &"main".into(), &unseen, size, ends.len(), &is_known);
             assert_eq!(other.unwrap().is_some(), !is_right, "{assumed_m} m");
         }
     }
@@ -303,7 +303,7 @@ mod tests {
             let off_m = (size.value_m - length_m).abs();
             assert!(off_m < 0.5 && off_m < 2.0 * size.sigma_m, "{size:?}");
             let at = document.at(Path::new(""));
-            let other = other_length(at, &"main".into(), &unseen, size, middle.len(), &known);
+            let other = other_length(at, &"main".into(), &unseen, size, middle.len(), &is_known);
             let other = other.unwrap().expect("another length");
             assert_eq!(other.is_prescribed, stated.is_some());
             take_length(&mut document, &other);

@@ -3,9 +3,9 @@
 //!
 //! [`OpenSize`] is the prior of the lengths that the rules do not fix, and the field at any value
 //! of them. With clicks or paint on lines they are fitted with the base (`touchline_core`), on
-//! pictures again and again until they stand (`base/size_on_paint.rs`). What the known frames of a camera do
-//! not show of them is an error of every other frame of it (`unseen.rs`), until its paint measures
-//! them (`on_lines.rs`).
+//! pictures again and again until they stand (`base/size_on_paint.rs`). What the known frames of a
+//! camera do not show of them is an error of every other frame of it (`unseen.rs`), until its paint
+//! measures them (`on_lines.rs`).
 
 pub mod on_lines;
 pub mod unseen;

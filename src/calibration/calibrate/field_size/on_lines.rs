@@ -131,8 +131,8 @@ pub(in crate::calibrate) fn measure_length(
     })
 }
 
-/// The measured length as the document's cameras take it: each moves with what its known frames have
-/// seen.
+/// The measured length as the document's cameras take it: each moves with what its known frames
+/// have seen.
 /// None if the assumed length agrees with it.
 pub(in crate::calibrate) fn other_length(
     at: DocumentAt<'_>,

@@ -58,8 +58,8 @@ pub(super) fn starting_state(
     start: &Start,
     options: &FromLinesOptions,
 ) -> PictureState {
-    // A start knows no lens: it begins with the stated or the usual one, and the crown in the middle
-    // of its prior where it is free.
+    // A start knows no lens: it begins with the stated or the usual one, and the crown in the
+    // middle of its prior where it is free.
     let usual = options.priors.of_base(picture);
     let stated = picture.lens.radial.map(|radial| radial.curve);
     let base = CameraBase {
