@@ -183,13 +183,13 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The matched frames with the principal point that the document states of the camera.
-    fn with_principal_point(&self, matched: MatchedFrames) -> MatchedFrames {
+    /// The matched frames with the lens that the document states of the camera.
+    fn with_stated_lens(&self, matched: MatchedFrames) -> MatchedFrames {
         let SearchedCamera {
             document, camera, ..
         } = self.searched;
         match document.document.camera(camera) {
-            Some(camera) => matched.with_principal_point(camera.principal_point, camera.image_size),
+            Some(camera) => matched.with_lens(camera.stated_lens(), camera.image_size),
             None => matched,
         }
     }
@@ -205,7 +205,7 @@ impl<'a> Search<'a> {
         let matched = self
             .sample(self.choose_frames(max_sampled), sampled, picture)
             .and_then(|()| MatchedFrames::from_sampled(sampled, self.progress))
-            .map(|matched| self.with_principal_point(matched));
+            .map(|matched| self.with_stated_lens(matched));
         let (answer, matched) = match matched {
             Ok(matched) => (self.find(&matched, picture), Some(matched)),
             Err(stop) => (Err(stop), None),

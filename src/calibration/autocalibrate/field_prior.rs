@@ -6,9 +6,8 @@ use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::geometry::ImageSize;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, BasePriors, FittedSize, FrameClicks, SizeParam, SizeStart,
-    fit_field_size,
 };
-use touchline_documents::document::{CROWN, CameraId, DocumentAt, FieldSize};
+use touchline_documents::document::{CROWN, CameraId, DocumentAt};
 
 /// 1-σ of usual sizes as a share of the prior's: 2.5 m for the length of a soccer pitch, 3.75 m for
 /// its width. Without a click a line can be taken for another one, so that unusual sizes have to be
@@ -69,8 +68,8 @@ impl FieldPrior {
         if assumed.may_be_crowned() && !spec.params.contains_key(CROWN) {
             assumed.crown_m = BasePriors::default().crown_m.0;
         }
-        let is_known = !matches!(spec.size(), FieldSize::Assumed | FieldSize::Fitted);
-        let mut open = OpenSize::new(spec.template(document.folder)?, &assumed);
+        let is_known = spec.is_size_stated();
+        let mut open = OpenSize::of(document, spec, &assumed)?;
         for param in &mut open.params {
             param.sigma_m *= USUAL_SHARE;
             if !is_known {
@@ -126,7 +125,7 @@ impl FieldPrior {
             let allowed = params[param].min_m..=params[param].max_m;
             allowed
                 .contains(&moved[param])
-                .then(|| self.resize(field, &moved))
+                .then(|| open.resize(field, &moved))
                 .flatten()
         });
         moved.collect()
@@ -145,7 +144,8 @@ impl FieldPrior {
         };
         let values: Vec<f64> = camera.sizes.iter().map(stated).collect();
         let has_open = camera.sizes.iter().any(|size| size.is_open);
-        let Some(field) = self.resize(&camera.field, &values).filter(|_| has_open) else {
+        let open = self.open.as_ref().filter(|_| has_open);
+        let Some(field) = open.and_then(|open| open.resize(&camera.field, &values)) else {
             return false;
         };
         camera.field = field;
@@ -154,14 +154,6 @@ impl FieldPrior {
             size.value_m = size.assumed_m;
         }
         true
-    }
-
-    /// A field with other lengths, in their order, and its own crown.
-    fn resize(&self, field: &FieldModel, values_m: &[f64]) -> Option<FieldModel> {
-        Some(FieldModel {
-            crown_m: field.crown_m,
-            ..self.with_lengths(values_m)?
-        })
     }
 
     /// The open lengths, with the values that `field` has.
@@ -227,9 +219,11 @@ impl FieldPrior {
             image_size,
             options,
         };
-        let resize = |values: &[f64]| self.resize(field, values);
-        let sizes = fit_field_size(&resize, &open.params, &start)?;
-        let field = resize(&sizes.iter().map(|size| size.value_m).collect::<Vec<_>>())?;
+        let sizes = open.fit(&start);
+        let values_m: Vec<f64> = sizes.iter().map(|size| size.value_m).collect();
+        let field = open
+            .resize(field, &values_m)
+            .filter(|_| !sizes.is_empty())?;
         Some((field, sizes))
     }
 }

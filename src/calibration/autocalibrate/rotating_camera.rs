@@ -13,7 +13,7 @@ use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, Autocalibratio
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
-use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, StatedLens};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
 use touchline_core::markings::{SampleOptions, sample_lines};
@@ -129,7 +129,7 @@ pub fn matched_views() -> MatchedFrames {
         indices: (10..10 + num).collect(),
         others: Vec::new(),
         image_size: IMAGE_SIZE,
-        principal_point: IMAGE_SIZE.centre(),
+        lens: StatedLens::default(),
         matches: exact_matches(),
         marking_pixels: vec![marking_pixels; num],
         masks: vec![Vec::new(); num],

@@ -2,7 +2,8 @@
 //! tracks clips, suggests names and cameras, measures click noise, and checks what is wrong with
 //! the document.
 //!
-//! Single frames are solved in `frames`, bases estimated in `base`, clips tracked in `clip`;
+//! Single frames are solved in `frames`, bases estimated in `base`, the sizes of fields in
+//! `field_size`, clips tracked in `clip`;
 //! `check` finds what is wrong, and `autocalibrated` records a camera that was found without a
 //! click.
 
@@ -14,6 +15,7 @@ mod bulk;
 mod check;
 mod clip;
 mod disagreement;
+mod field_size;
 mod frames;
 mod gold;
 mod own_noise;
@@ -32,20 +34,17 @@ pub use base::on_paint::{BasePaintAlignment, BasePaintEvidence, OnPaintErrors};
 pub(crate) use base::paint_observations::{AT_ONCE, KnownCameras};
 pub use base::paint_observations::{BaseOnPaintError, FRAMES_FOR_PAINT};
 pub(crate) use base::refit::{OnBase, ground_moved_px, ptz_on_base};
-pub(crate) use base::size_fit::OpenSize;
-pub(crate) use base::size_on_paint::{
-    OpenField, UNSTEADY_SHARE, alone_sigma_m, as_paint_alone_gives,
-};
 pub use base_readiness::BaseReadiness;
 pub use check::{Fault, Problem};
-pub(crate) use clip::measured_length::LENGTH_UNSEEN;
-pub use clip::measured_length::LengthOnLines;
 pub(crate) use clip::record_tracked_frame;
 pub use clip::{
     ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipSpan, ClipStop, MovedReference,
     TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame, track_clip,
 };
 pub(crate) use disagreement::disagreement;
+pub(crate) use field_size::on_lines::LENGTH_UNSEEN;
+pub use field_size::on_lines::LengthOnLines;
+pub(crate) use field_size::{OpenSize, UNSTEADY_SHARE, alone_sigma_m, as_paint_alone_gives};
 pub use frames::calibration::{CalibrationError, calibrate, observations};
 pub use frames::frame_lookup::FrameLookup;
 pub(crate) use frames::own_covariance::{covariance_on_paint, own_covariance};
@@ -61,7 +60,6 @@ pub use {
     base::base_on_paint::{BaseOnPaint, PictureOf, PulledFrames, estimate_on_paint},
     base::follow_base::follow_all_bases,
     base::own_cameras::{OwnCameraError, OwnCameras, give_own_cameras},
-    base::size_fit::describe_size,
     base_change::{CameraChange, camera_change},
     base_readiness::{LANDMARKS_ALONE, WIDE_FRAMES, next_for_base, points_alone},
     bulk::{AssignedFrames, BulkChange, BulkError, BulkSolve, BulkSolved, JoinedChange, NewCamera},
@@ -69,9 +67,10 @@ pub use {
         PictureCheck, check_cameras, check_pictures, check_solutions, check_still_runs,
         check_values, impossible_camera,
     },
-    clip::measured_length::take_length,
     clip::{clip_of_frame, clips, is_anchor, is_doubtful, record_tracked, take_doubtful_stretch},
     disagreement::{Disagreement, Disagreements, disagreements},
+    field_size::describe_size,
+    field_size::on_lines::take_length,
     frames::better_camera::{BetterCamera, better_camera},
     frames::calibration::solved_neighbours,
     frames::solve_all::{DecidedFrames, is_decided, solve_document_with},

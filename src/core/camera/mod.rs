@@ -12,6 +12,7 @@ mod distortion;
 mod jacobian;
 mod projection;
 mod shared_parameters;
+mod stated_lens;
 
 pub use base::{BaseAngles, CameraBase};
 pub use base_sigma::BaseSigma;
@@ -20,6 +21,7 @@ pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{ProjectError, PtzCamera};
 pub(crate) use shared_parameters::SHARED_COLUMNS;
 pub use shared_parameters::{BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError};
+pub use stated_lens::{StatedLens, StatedRadial};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {

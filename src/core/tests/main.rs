@@ -12,6 +12,7 @@ mod base_truth;
 mod few_frames;
 mod field_size;
 mod fields;
+mod given_cameras;
 mod identity;
 mod lines_truth;
 mod picture_shapes;

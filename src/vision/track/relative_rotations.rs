@@ -8,7 +8,7 @@
 use super::edge_problem::{EdgeProblem, EdgeState, Freedom, residual_px};
 use super::start::{steps, views};
 use super::{TrackError, ViewGraphEdge};
-use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera, StatedLens};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_core::solve::{Equations, Loss, Stopping, minimise};
 
@@ -29,6 +29,24 @@ pub struct TurnOptions {
     pub focal_scale: f64,
     /// The principal point of the frames, px; none: the middle of the picture. Default: none.
     pub principal_point: Option<ImagePoint>,
+}
+
+impl TurnOptions {
+    /// The options with a lens as it is stated for frames of a size.
+    pub fn with_lens(lens: &StatedLens, image_size: ImageSize) -> Self {
+        let mut options = Self {
+            principal_point: lens.principal_point,
+            ..Self::default()
+        };
+        if let Some(radial) = lens.radial {
+            let px = image_size.scale_from_1920();
+            (options.lens.value, options.k1_sigma) = radial.k1_at(options.lens.at_focal_px * px);
+            options.lens.per_1000_px = radial.curve.per_1000_px * px;
+            options.lens.k2_per_k1_squared = radial.curve.k2_per_k1_squared;
+            options.slope_sigma = radial.per_1000_px_sigma * px;
+        }
+        options
+    }
 }
 
 impl Default for TurnOptions {
@@ -307,11 +325,16 @@ mod tests {
         let principal_point = ImagePoint::new(1300.0, 380.0);
         let truth = truth_about(principal_point);
         let adjust = |stated: Option<ImagePoint>| {
-            let options = TurnOptions {
+            let lens = StatedLens {
                 principal_point: stated,
-                ..TurnOptions::default()
+                radial: None,
             };
-            adjust_rotations(6, &edges(&truth, 0.0), SIZE, &options)
+            adjust_rotations(
+                6,
+                &edges(&truth, 0.0),
+                SIZE,
+                &TurnOptions::with_lens(&lens, SIZE),
+            )
         };
         let found = adjust(Some(principal_point)).unwrap();
         assert_eq!(found.camera(0).base().principal_point, principal_point);

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use touchline_core::camera::Ptz;
-use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_core::camera::{BaseAngles, FocalCurve, Ptz};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{
-    ClickOrigin, Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
+    Click, ClickOrigin, Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
 };
 use touchline_documents::testing::{WithFrames, a_match, answered_by, load, new_video_frame};
 
@@ -138,6 +138,24 @@ pub fn displaced() -> Document {
     let mut base = document.cameras[0].base().unwrap();
     base.position_m += Vec3::new(1.0, 0.0, 0.5);
     document.cameras[0].set_base(&base);
+    document
+}
+
+/// Two landmarks straight before the camera, in a picture cut from above its principal point: two
+/// tilts and focal lengths fit.
+pub fn two_roots() -> Document {
+    let mut document = drafts();
+    let mut base = document.cameras[0].base().unwrap();
+    base.position_m.x = 0.0;
+    base.base_from_world = BaseAngles::default().base_from_world();
+    base.principal_point = ImagePoint::new(640.0, 1520.0);
+    base.distortion = FocalCurve::NONE;
+    document.cameras[0].set_base(&base);
+    let frame = &mut document.frames[0];
+    (frame.ptz, frame.solution) = (None, None);
+    frame.clicks = [("centre_mark", 50.0), ("halfway_near", 680.0)]
+        .map(|(id, y)| Click::landmark(id.into(), ImagePoint::new(640.0, y)))
+        .into();
     document
 }
 

@@ -1,21 +1,25 @@
 //! What each command does to a document. A new command does not compile without its line here.
 
 use super::documents::{
-    blank, demo, displaced, drafts, imported, pointed, suggested, turned, unseen, video,
+    blank, demo, displaced, drafts, imported, pointed, suggested, turned, two_roots, unseen, video,
 };
 use super::scene::Scene;
 use crate::burnt_in_in_app::found_mask;
 use crate::clicking::names_in_app;
 use crate::find_camera_in_app::{found_camera, two_cameras, unknown};
 use crate::which_camera;
-use touchline_application::app::operations::{BurntInSearch, CameraSearch, FoundShots, ShotSearch};
+use touchline_application::app::operations::{
+    BurntInSearch, CameraSearch, ClipTracking, FoundShots, ShotSearch,
+};
 use touchline_application::app::selection::Scope;
 use touchline_application::app::transfer::TransferAction;
 use touchline_application::app::{
     Action, CameraChoice, Command, EditAction, Navigation, PointerAction, Question,
 };
 use touchline_calibration::autocalibrate::AutocalibrationAnswer;
-use touchline_core::geometry::{ImagePoint, Vec2};
+use touchline_calibration::calibrate::{LengthOnLines, TrackedClip};
+use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
+use touchline_core::solve::base::FittedSize;
 use touchline_core::testing::seeded::rng;
 use touchline_documents::document::{
     ClickNoise, Clip, Document, Extra, Frame, RejectReason, Repeat, ShotKind, Target,
@@ -29,8 +33,6 @@ pub enum Plan {
     Keeps,
     /// One step of undo.
     Changes(Change),
-    /// One step of undo, which the pictures and documents of these tests give no occasion for.
-    NotGiven,
 }
 
 /// A command that changes the document, and what a user does with it.
@@ -84,6 +86,41 @@ fn estimate(scene: &mut Scene) {
 fn find_two(scene: &mut Scene) {
     scene.command(Command::FindCamera);
     scene.report::<CameraSearch>(two_cameras());
+}
+
+/// The lines of a tracked clip show another length than the assumed one.
+fn measure_length(scene: &mut Scene) {
+    let base = scene.window.app.open().unwrap().document.cameras[0].base();
+    let length = LengthOnLines {
+        size: FittedSize {
+            name: "length_m".to_owned(),
+            assumed_m: 105.0,
+            value_m: 102.0,
+            sigma_m: 0.3,
+            position_sigma_m: Vec3::zeros(),
+            is_open: false,
+        },
+        shifts: vec![("main".into(), Vec3::new(1.5, 0.0, 0.0))],
+        frames: 4,
+        is_prescribed: false,
+    };
+    let tracked = TrackedClip {
+        base: base.unwrap(),
+        frames: Vec::new(),
+        references: Vec::new(),
+        missed: Vec::new(),
+        unreadable: None,
+        kept: 0,
+        stops: Vec::new(),
+        sigma_px: 0.3,
+        inflation: 1.0,
+        painted: 4,
+        lengths: vec![length],
+        jitter: None,
+        raw_jitter: None,
+    };
+    scene.command(Command::Track);
+    scene.report::<ClipTracking>(tracked.into());
 }
 
 fn find_burnt_in(scene: &mut Scene) {
@@ -275,7 +312,8 @@ pub fn plan(command: Command) -> Plan {
             scene.command(C::MendCameras);
             scene.wait_for_work();
         }),
-        C::SwitchRoot | C::TakeLength => Plan::NotGiven,
+        C::SwitchRoot => change(two_roots, nothing, |scene| scene.command(C::SwitchRoot)),
+        C::TakeLength => change(demo, measure_length, |scene| scene.command(C::TakeLength)),
         // Cameras and field.
         C::FindCamera => change(of_five, nothing, |scene| {
             scene.command(C::FindCamera);

@@ -51,6 +51,7 @@ impl Hypothesis {
             paint,
             matches: &matched.matches,
             image_size: matched.image_size,
+            lens: &matched.lens,
         };
         let joint = adjust_jointly(start, size_prior, &observed)?;
         let evidence = measure_evidence(&joint, paint, &matched.marking_pixels);

@@ -11,7 +11,7 @@ use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, renumber_matches};
 use crate::autocalibrate::search::pitch_map::PitchMap;
 use crate::calibrate::{alone_sigma_m, as_paint_alone_gives};
-use touchline_core::camera::{CameraBase, Ptz};
+use touchline_core::camera::{CameraBase, Ptz, StatedLens};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImageSize, Vec3, median};
 use touchline_core::solve::Loss;
@@ -153,6 +153,8 @@ pub struct FrameObservations<'a> {
     /// Pairwise matches, numbered like the frames.
     pub matches: &'a [ViewGraphEdge],
     pub image_size: ImageSize,
+    /// Their lens as it is stated.
+    pub lens: &'a StatedLens,
 }
 
 /// Adjusts a base and the cameras of its frames to paint; with a size prior, the field's size too.
@@ -166,7 +168,9 @@ pub fn adjust_jointly(
         paint,
         matches,
         image_size: size,
+        lens,
     } = *observed;
+    let options = |loss| options(loss).with_lens(lens, size);
     let scale = size.scale_from_1920();
     let mut map = PitchMap::with_grid(&start.field);
     let mut sizes = Vec::new();
@@ -409,6 +413,7 @@ mod tests {
             paint: &frames_at_scale(paint_of).paint,
             matches: &exact_matches(),
             image_size: IMAGE_SIZE,
+            lens: &StatedLens::default(),
         };
         let found = adjust_jointly(&start, Some(&soccer()), &observed).unwrap();
         let num_taken = found.taken.iter().map(|frame| frame.observations.len());

@@ -13,7 +13,7 @@ use crate::autocalibrate::progress::report;
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{
     AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence, BaseOnPaintError,
-    BaseProblem, KnownCameras, KnownFrames, OpenField, PaintEstimate, covariance_on_paint,
+    BaseProblem, KnownCameras, KnownFrames, OpenSize, PaintEstimate, covariance_on_paint,
 };
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera};
@@ -78,6 +78,8 @@ pub fn refine_base(
         })
         .collect();
     let indices: Vec<usize> = frames.iter().map(|frame| frame.index).collect();
+    let open_size = is_size_unknown.then(|| OpenSize::of(document, &spec, &field));
+    let open_size = open_size.transpose().map_err(AutocalibrationError::from)?;
     let known = KnownFrames {
         start: KnownCameras {
             base: found.base,
@@ -90,10 +92,7 @@ pub fn refine_base(
             .map(|&index| document.masks_of(&document.frames[index]))
             .collect(),
         picture: &mut |place: usize| picture(indices[place]),
-        open_field: is_size_unknown.then_some(OpenField {
-            document,
-            spec: &spec,
-        }),
+        open_size: open_size.as_ref(),
         problem: BaseProblem::without_clicks(of_document, field, &found.base, indices.clone()),
     };
     // An error after the receiver ended the search is the cancellation. Any other means that the

@@ -49,9 +49,9 @@ use even_areas::EvenAreas;
 use picture::{MAX_CONTRADICTED, PictureCamera, camera_of_picture};
 use rayon::prelude::*;
 use toned_markings::{TonedMarkings, weigh_tones};
-use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera, StatedLens};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{Angle, ImagePoint, ImageSize, Vec3, subsample};
+use touchline_core::geometry::{Angle, ImageSize, Vec3, subsample};
 use touchline_core::solve::Observation;
 use touchline_core::solve::base::{
     AdjustOptions, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
@@ -103,11 +103,11 @@ impl CourtFrame {
 fn find_court_camera(
     frames: &[CourtFrame],
     field: &FieldModel,
-    principal_point: PrincipalPoint,
+    lens: TriedLens,
 ) -> Option<AutocalibratedCamera> {
     let alone: Vec<Option<PictureCamera>> = frames
         .par_iter()
-        .map(|frame| camera_of_picture(frame, field, principal_point.at))
+        .map(|frame| camera_of_picture(frame, field, &lens.stated))
         .collect();
     let mut starts: Vec<&PictureCamera> = alone
         .iter()
@@ -116,7 +116,7 @@ fn find_court_camera(
         .collect();
     starts.sort_by(|a, b| b.nats.total_cmp(&a.nats));
     starts.iter().take(MAX_STARTS).find_map(|start| {
-        let on_base = OnBase::settle(frames, field, &alone, start, principal_point)?;
+        let on_base = OnBase::settle(frames, field, &alone, start, &lens)?;
         let seen = on_base.markings(frames, field);
         let evidence = weigh_tones(field, &seen);
         let is_certain =
@@ -128,12 +128,11 @@ fn find_court_camera(
     })
 }
 
-/// Where the optical axis meets the picture.
-#[derive(Clone, Copy, Debug)]
-struct PrincipalPoint {
-    /// px.
-    at: ImagePoint,
-    /// Whether this is a guess, which the pictures together make better.
+/// The lens with which pictures are tried.
+#[derive(Clone, Copy, Debug, Default)]
+struct TriedLens {
+    stated: StatedLens,
+    /// Whether its principal point is a guess, which several pictures together make better.
     is_guess: bool,
 }
 
@@ -153,7 +152,7 @@ impl OnBase {
         field: &FieldModel,
         alone: &[Option<PictureCamera>],
         start: &PictureCamera,
-        principal_point: PrincipalPoint,
+        lens: &TriedLens,
     ) -> Option<Self> {
         let mut base = *start.camera.base();
         let mut views: Vec<Vec<Ptz>> = alone
@@ -190,8 +189,7 @@ impl OnBase {
                     Some((frame, PtzCamera::new(base, aligned.as_ref()?.ptz)))
                 })
                 .collect();
-            let guess = principal_point.is_guess.then_some(principal_point.at);
-            let adjusted = adjust_to_paint(field, &cameras, guess)?;
+            let adjusted = adjust_to_paint(field, &cameras, lens)?;
             let former = base;
             base = *adjusted.first()?.base();
             let mut adjusted = adjusted.into_iter();
@@ -297,12 +295,11 @@ fn view_from(base: &CameraBase, camera: &PtzCamera) -> Ptz {
     base.ptz_like(&camera.cam_from_world(), camera.ptz().focal_px)
 }
 
-/// Cameras of one base, adjusted with it to the paint near their lines, and with its principal point
-/// near `guess` if there is one.
+/// Cameras of one base, adjusted with it to the paint near their lines.
 fn adjust_to_paint(
     field: &FieldModel,
     cameras: &[(&CourtFrame, PtzCamera)],
-    guess: Option<ImagePoint>,
+    lens: &TriedLens,
 ) -> Option<Vec<PtzCamera>> {
     let (first, _) = cameras.first()?;
     let frames: Vec<FrameClicks> = cameras
@@ -317,10 +314,9 @@ fn adjust_to_paint(
         .collect();
     adjust(
         field,
-        first.ground.size(),
+        (first.ground.size(), lens),
         cameras.iter().map(|(_, camera)| *camera),
         &frames,
-        guess,
     )
 }
 
@@ -328,24 +324,27 @@ fn adjust_to_paint(
 fn adjust_to_places(
     field: &FieldModel,
     size: ImageSize,
-    camera: &PtzCamera,
+    (camera, stated): (&PtzCamera, &StatedLens),
     places: Vec<Observation>,
 ) -> Option<PtzCamera> {
     let frames = [FrameClicks {
         observations: places,
         start: Some(camera.ptz()),
     }];
-    Some(adjust(field, size, std::iter::once(*camera), &frames, None)?[0])
+    let lens = TriedLens {
+        stated: *stated,
+        is_guess: false,
+    };
+    Some(adjust(field, (size, &lens), std::iter::once(*camera), &frames)?[0])
 }
 
 /// Adjusts the base of some cameras and their views. None where a frame has too few observations,
 /// or the base flees the field.
 fn adjust(
     field: &FieldModel,
-    size: ImageSize,
+    (size, lens): (ImageSize, &TriedLens),
     cameras: impl Iterator<Item = PtzCamera> + Clone,
     frames: &[FrameClicks],
-    guess: Option<ImagePoint>,
 ) -> Option<Vec<PtzCamera>> {
     /// 1-σ of a guessed principal point, px at 1920 px width: guesses lie .1 widths apart.
     const GUESS_PX: f64 = 80.0;
@@ -360,10 +359,10 @@ fn adjust(
     let model = BaseModel {
         lens: LensModel::K1Focal,
         crown: CrownModel::Fixed(field.crown_m),
-        principal_point: guess,
+        principal_point: lens.is_guess.then_some(base.principal_point),
     };
-    let mut options = AdjustOptions::default();
-    if guess.is_some() {
+    let mut options = AdjustOptions::default().with_lens(&lens.stated, size);
+    if lens.is_guess {
         options.priors.principal_point_px = GUESS_PX;
     }
     let ptz: Vec<Option<Ptz>> = cameras.map(|camera| Some(camera.ptz())).collect();

@@ -4,12 +4,12 @@ use super::grid::Grid;
 use super::rectangles::cameras_of_rectangles;
 use super::shown_lines::{Agreement, ShownLines};
 use super::toned_markings::{TonedMarkings, weigh_tones};
-use super::{CourtFrame, adjust_to_paint, adjust_to_places};
+use super::{CourtFrame, TriedLens, adjust_to_paint, adjust_to_places};
 use crate::autocalibrate::adjustment::candidates::is_symmetric_by_half_turn;
 use crate::evidence::Evidence;
-use touchline_core::camera::PtzCamera;
+use touchline_core::camera::{PtzCamera, StatedLens};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, median_high};
+use touchline_core::geometry::{ImageSize, median_high};
 use touchline_core::solve::PlanePose;
 
 /// Maximum number of cameras that are adjusted to the lines, and of those that are weighed.
@@ -99,12 +99,12 @@ impl Weighed {
     }
 }
 
-/// The camera that explains a picture best, if its principal point is there; none where too few
+/// The camera that explains a picture best, with a lens; none where too few
 /// lines are shown.
 pub fn camera_of_picture(
     frame: &CourtFrame,
     field: &FieldModel,
-    principal_point: ImagePoint,
+    lens: &StatedLens,
 ) -> Option<PictureCamera> {
     let shown = ShownLines {
         field,
@@ -112,7 +112,7 @@ pub fn camera_of_picture(
         lines: &frame.lines,
         even: &frame.even,
         size: frame.ground.size(),
-        principal_point,
+        lens: *lens,
     };
     let mut weighed = weigh_on_paint(cameras_on_lines(&shown), &shown, frame);
     weighed.sort_by(|a, b| b.agreement.score().total_cmp(&a.agreement.score()));
@@ -151,11 +151,11 @@ fn cameras_on_lines(shown: &ShownLines<'_>) -> Vec<PtzCamera> {
         }
     }
     let adjust = |pose: &PlanePose| {
-        let mut camera = pose.camera(shown.principal_point);
+        let mut camera = pose.camera(shown.principal_point());
         for _ in 0..ROUNDS_ON_LINES {
             let agreement = shown.compare(&pose_of(&camera))?;
             let places = shown.observations(&agreement);
-            camera = adjust_to_places(shown.field, shown.size, &camera, places)?;
+            camera = adjust_to_places(shown.field, shown.size, (&camera, &shown.lens), places)?;
         }
         Some((camera, shown.compare(&pose_of(&camera))?.score()))
     };
@@ -176,6 +176,11 @@ fn weigh_on_paint(
         let is_near = |other: &PtzCamera| apart_px(one, other, shown.size) < SAME_PX;
         is_near(other) || (is_symmetric && is_near(&other.after_half_turn()))
     };
+    // One picture does not tell the principal point from the tilt.
+    let lens = TriedLens {
+        stated: shown.lens,
+        is_guess: false,
+    };
     let mut weighed: Vec<Weighed> = Vec::new();
     for mut camera in cameras {
         if weighed.len() == MAX_WEIGHED {
@@ -183,7 +188,7 @@ fn weigh_on_paint(
         }
         for _ in 0..ROUNDS_ON_PAINT {
             camera =
-                adjust_to_paint(field, &[(frame, camera)], None).map_or(camera, |found| found[0]);
+                adjust_to_paint(field, &[(frame, camera)], &lens).map_or(camera, |found| found[0]);
         }
         if weighed.iter().any(|other| is_same(&camera, &other.camera)) {
             continue;

@@ -45,7 +45,7 @@ pub fn cameras_of_rectangles<T: Send>(
     shown: &ShownLines<'_>,
     score_of: impl Fn(&PlanePose) -> Option<T> + Sync,
 ) -> Vec<(PlanePose, T)> {
-    let (lines, principal_point) = (shown.lines, shown.principal_point);
+    let (lines, principal_point) = (shown.lines, shown.principal_point());
     let (field, rectangles) = (shown.field, field_rectangles(shown.grid));
     let unit_px = shown.size.reference_width_px();
     let pairs: Vec<[usize; 2]> = (0..lines.len())

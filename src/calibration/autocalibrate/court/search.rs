@@ -1,16 +1,18 @@
 //! The search for the camera of a court in a document: which pictures are looked at, with which
 //! principal points, and what would help where none decides.
 
-use super::{CourtFrame, PrincipalPoint, find_court_camera};
+use super::{CourtFrame, TriedLens, find_court_camera};
 use crate::autocalibrate::adjustment::refine::SearchedCamera;
 use crate::autocalibrate::frames::by_shot::spread_over_shots;
 use crate::autocalibrate::frames::sampled_frames::{PictureOfFrame, read_pictures};
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress, WantedClicks};
 use crate::calibrate::AutocalibratedCamera;
+use touchline_core::camera::StatedLens;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::progress::Progress;
+use touchline_documents::document::Camera;
 use touchline_vision::paint::GroundPicture;
 
 /// Number of pictures that are looked at.
@@ -72,12 +74,12 @@ pub fn search_court(
         .document
         .camera(camera)
         .filter(|camera| camera.image_size == size);
-    let stated = stated.map_or(size.centre(), |camera| camera.principal_point);
+    let stated = stated.map(Camera::stated_lens).unwrap_or_default();
     let mut best: Option<AutocalibratedCamera> = None;
-    for principal_point in principal_points(stated, size) {
+    for lens in tried_lenses(stated, size) {
         report(progress, looking(frames.len()))?;
-        let found = find_court_camera(&frames, field, principal_point);
-        if found.is_some() && !principal_point.is_guess {
+        let found = find_court_camera(&frames, field, lens);
+        if found.is_some() && !lens.is_guess {
             best = found;
             break;
         }
@@ -101,19 +103,24 @@ pub fn search_court(
     })))
 }
 
-/// The principal point that is stated, and guesses where the picture is cut out of another and the
-/// one stated is but its middle.
-fn principal_points(stated: ImagePoint, size: ImageSize) -> impl Iterator<Item = PrincipalPoint> {
+/// The lens that is stated, and the same with guessed principal points where the picture is cut out
+/// of another and the one stated is but its middle.
+fn tried_lenses(stated: StatedLens, size: ImageSize) -> impl Iterator<Item = TriedLens> {
     let [width, height] = [size.width, size.height].map(f64::from);
+    let middle = size.centre();
     let is_usual = |usual: &f64| (width / height / usual - 1.0).abs() <= SAME_PROPORTION;
-    let is_cut = stated == size.centre() && !USUAL_PROPORTIONS.iter().any(is_usual);
+    let is_cut =
+        stated.principal_point_in(size) == middle && !USUAL_PROPORTIONS.iter().any(is_usual);
     let guesses = is_cut.then_some(GUESSES_BELOW).into_iter().flatten();
-    let guess = move |below: f64| PrincipalPoint {
-        at: ImagePoint::new(stated.x, stated.y + below * width),
+    let guess = move |below: f64| TriedLens {
+        stated: StatedLens {
+            principal_point: Some(ImagePoint::new(middle.x, middle.y + below * width)),
+            ..stated
+        },
         is_guess: true,
     };
-    std::iter::once(PrincipalPoint {
-        at: stated,
+    std::iter::once(TriedLens {
+        stated,
         is_guess: false,
     })
     .chain(guesses.map(guess))
@@ -125,15 +132,16 @@ mod tests {
 
     #[test]
     fn only_pictures_that_are_cut_out_of_others_have_guessed_principal_points() {
-        let num_points = |width, height, x: f64| {
+        let num_lenses = |width, height, x: f64| {
             let size = ImageSize::new(width, height);
-            principal_points(ImagePoint::new(x, size.centre().y), size).count()
+            let stated = StatedLens::from_principal_point(ImagePoint::new(x, size.centre().y));
+            tried_lenses(stated, size).count()
         };
-        assert_eq!(num_points(1280, 720, 640.0), 1);
-        assert_eq!(num_points(1440, 1080, 720.0), 1);
-        assert_eq!(num_points(540, 960, 270.0), 1);
-        assert_eq!(num_points(1280, 640, 640.0), 5);
+        assert_eq!(num_lenses(1280, 720, 640.0), 1);
+        assert_eq!(num_lenses(1440, 1080, 720.0), 1);
+        assert_eq!(num_lenses(540, 960, 270.0), 1);
+        assert_eq!(num_lenses(1280, 640, 640.0), 5);
         // Somebody knows it.
-        assert_eq!(num_points(1280, 640, 648.0), 1);
+        assert_eq!(num_lenses(1280, 640, 648.0), 1);
     }
 }

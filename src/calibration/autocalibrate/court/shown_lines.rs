@@ -2,6 +2,7 @@
 
 use super::even_areas::EvenAreas;
 use super::grid::{Grid, GridLine};
+use touchline_core::camera::StatedLens;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_core::solve::{Observation, PlanePose};
@@ -42,7 +43,7 @@ pub struct ShownLines<'a> {
     pub lines: &'a [StraightLine],
     pub even: &'a EvenAreas,
     pub size: ImageSize,
-    pub principal_point: ImagePoint,
+    pub lens: StatedLens,
 }
 
 /// Which lines of the field a camera has where the picture shows lines.
@@ -84,6 +85,10 @@ impl Agreement {
 }
 
 impl ShownLines<'_> {
+    pub fn principal_point(&self) -> ImagePoint {
+        self.lens.principal_point_in(self.size)
+    }
+
     /// Compares a camera's lines with those of the picture. None where too few agree.
     pub fn compare(&self, camera: &PlanePose) -> Option<Agreement> {
         let scale = self.size.scale_from_1920();
@@ -157,7 +162,7 @@ impl ShownLines<'_> {
 
     /// The point of the ground that a camera shows at a point of the picture, `world`, m.
     fn on_ground(&self, camera: &PlanePose, at: ImagePoint) -> Option<Vec3> {
-        let offset = at.offset_from(self.principal_point) / camera.focal_px;
+        let offset = at.offset_from(self.principal_point()) / camera.focal_px;
         let ray = camera.cam_from_world.transpose() * Vec3::new(offset.x, offset.y, 1.0);
         let down = camera.position_m.z / -ray.z;
         (ray.z < 0.0).then(|| camera.position_m + ray * down)
@@ -230,7 +235,7 @@ impl ShownLines<'_> {
         }
         let image = |at: Vec3| {
             let offset = at.xy() * (camera.focal_px / at.z);
-            self.principal_point.translate(offset)
+            self.principal_point().translate(offset)
         };
         clip([image(from), image(to)], self.size)
     }

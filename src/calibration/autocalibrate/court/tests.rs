@@ -3,7 +3,7 @@
 use super::*;
 use crate::autocalibrate::search::places::is_court;
 use touchline_core::field::builtin;
-use touchline_core::geometry::{Angle, Vec3};
+use touchline_core::geometry::ImagePoint;
 use touchline_core::markings::{SampleOptions, sample_lines};
 use touchline_core::testing::turned_base;
 use touchline_vision::media::Picture;
@@ -27,11 +27,7 @@ fn camera(relative: f64, pan_deg: f64) -> PtzCamera {
 
 /// The camera of some pictures whose principal point is their middle.
 fn find(frames: &[CourtFrame], field: &FieldModel) -> Option<AutocalibratedCamera> {
-    let middle = PrincipalPoint {
-        at: SIZE.centre(),
-        is_guess: false,
-    };
-    find_court_camera(frames, field, middle)
+    find_court_camera(frames, field, TriedLens::default())
 }
 
 /// Every line is white.
@@ -170,8 +166,9 @@ fn the_principal_point_of_a_picture_that_was_cut_is_found_from_a_guess() {
         PtzCamera::new(base, Ptz::from_degrees(pan_deg, -8.0, 1400.0))
     };
     let pictures = frames(&tennis, &[cut(0.0), cut(2.0), cut(-2.0)]);
-    let guess = PrincipalPoint {
-        at: ImagePoint::new(truth.x, SIZE.centre().y - 0.2 * 960.0),
+    let guess = ImagePoint::new(truth.x, SIZE.centre().y - 0.2 * 960.0);
+    let guess = TriedLens {
+        stated: StatedLens::from_principal_point(guess),
         is_guess: true,
     };
     let found = find_court_camera(&pictures, &tennis, guess).unwrap();

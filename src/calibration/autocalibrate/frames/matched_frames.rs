@@ -13,6 +13,7 @@ use crate::autocalibrate::{Abstention, AutocalibrationError, AutocalibrationProg
 use crate::calibrate::AutocalibratedFrame;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use touchline_core::camera::StatedLens;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline_core::progress::{Progress, Share};
 use touchline_vision::features::Features;
@@ -50,8 +51,8 @@ pub struct MatchedFrames {
     pub others: Vec<usize>,
     /// Size of all their pictures.
     pub image_size: ImageSize,
-    /// Their principal point, px.
-    pub principal_point: ImagePoint,
+    /// Their lens as the document states it.
+    pub lens: StatedLens,
     /// The edges of the view graph.
     pub matches: Vec<ViewGraphEdge>,
     /// The marking pixels of each frame.
@@ -121,7 +122,7 @@ impl MatchedFrames {
             indices: group.iter().map(|&frame| frames[frame].index).collect(),
             others: others.map(|frame| frames[frame].index).collect(),
             image_size: frames[group[0]].image_size(),
-            principal_point: frames[group[0]].image_size().centre(),
+            lens: StatedLens::default(),
             matches: renumber_matches(matches, &group),
             marking_pixels: group
                 .iter()
@@ -134,14 +135,11 @@ impl MatchedFrames {
         })
     }
 
-    /// The same frames with the principal point that the document states for pictures of a size;
-    /// those of another size keep the middle.
-    pub fn with_principal_point(self, stated: ImagePoint, of_size: ImageSize) -> Self {
+    /// The same frames with the lens that the document states for pictures of a size; those of
+    /// another size have the usual one.
+    pub fn with_lens(self, lens: StatedLens, of_size: ImageSize) -> Self {
         if self.image_size == of_size {
-            Self {
-                principal_point: stated,
-                ..self
-            }
+            Self { lens, ..self }
         } else {
             self
         }
@@ -177,8 +175,7 @@ impl MatchedFrames {
         let focal_scale = f64::from(focal_percent) / 100.0;
         let options = TurnOptions {
             focal_scale,
-            principal_point: Some(self.principal_point),
-            ..TurnOptions::default()
+            ..TurnOptions::with_lens(&self.lens, self.image_size)
         };
         // Rotations, zoom and lens from the matches, at this scale.
         let rotations =

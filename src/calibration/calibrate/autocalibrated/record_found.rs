@@ -1,6 +1,6 @@
 //! Writes the result of autocalibration into its document.
 
-use crate::calibrate::base::field_size::write_base;
+use crate::calibrate::field_size::written::write_base;
 use crate::calibrate::{AutocalibratedCamera, record_snapped};
 use touchline_core::camera::PtzCamera;
 use touchline_core::solve::Uncertainty;

@@ -9,10 +9,9 @@ use super::known_frames::{KnownFrames, PaintEstimate};
 use super::on_paint::{BasePaintAlignment, BasePaintEvidence};
 use super::paint_observations::{AT_ONCE, BaseOnPaintError, KnownCameras};
 use super::refit::refit;
-use super::size_on_paint::OpenField;
 use crate::calibrate::frames::solve_frames::is_by_clicks;
 use crate::calibrate::paint::{record_snapped, snap_frame};
-use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
+use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase, OpenSize};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -211,6 +210,8 @@ pub fn estimate_on_paint(
         .iter()
         .map(|index| &*document.frames[*index])
         .collect();
+    let open_size = size.then(|| OpenSize::of(document, spec, &problem.field));
+    let open_size = open_size.transpose().map_err(BaseEstimationError::from)?;
     let known = KnownFrames {
         start,
         masks: frames
@@ -218,14 +219,13 @@ pub fn estimate_on_paint(
             .map(|frame| document.masks_of(frame))
             .collect(),
         picture: &mut |place: usize| pictures(frames.get(place)?),
-        open_field: size.then_some(OpenField { document, spec }),
+        open_size: open_size.as_ref(),
         problem,
     };
     let PaintEstimate {
         problem,
         estimate,
         sizes,
-        open_size,
         seen,
     } = known.estimate_base(options, progress)?;
     let sizes = match open_size {

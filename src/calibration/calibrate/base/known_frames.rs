@@ -13,8 +13,8 @@ use super::on_paint::{BasePaintEvidence, OnPaintErrors};
 use super::paint_observations::{
     BaseOnPaintError, KnownCameras, PaintObservations, frames_on_field,
 };
-use super::size_fit::OpenSize;
-use super::size_on_paint::{MeasuredFrames, OpenField, SizingOnPaint, alone_sigma_m};
+use super::size_on_paint::{MeasuredFrames, SizingOnPaint};
+use crate::calibrate::field_size::{OpenSize, alone_sigma_m};
 use crate::calibrate::{BaseEstimationError, BaseProblem};
 use touchline_core::geometry::PixelBox;
 use touchline_core::progress::Progress;
@@ -34,8 +34,8 @@ pub(crate) struct KnownFrames<'a> {
     pub masks: Vec<Vec<PixelBox>>,
     /// Reads the picture of a frame of the problem, by its index there; none if it cannot be read.
     pub picture: &'a mut dyn FnMut(usize) -> Option<Picture>,
-    /// The field, where its size is fitted as well.
-    pub open_field: Option<OpenField<'a>>,
+    /// What is open of the field's size, where it is fitted as well.
+    pub open_size: Option<&'a OpenSize>,
 }
 
 /// The base estimated from the paint of known frames.
@@ -46,8 +46,6 @@ pub(crate) struct PaintEstimate {
     pub estimate: BaseEstimate,
     /// The fitted lengths of the field.
     pub sizes: Vec<FittedSize>,
-    /// The lengths of the field as assumed, where they were to be fitted.
-    pub open_size: Option<OpenSize>,
     /// The amount of paint, and the errors at it.
     pub seen: BasePaintEvidence,
 }
@@ -67,8 +65,9 @@ impl KnownFrames<'_> {
             start: first,
             masks,
             picture,
-            open_field,
+            open_size,
         } = self;
+        let options = &options.clone().with_lens(&problem.lens, problem.image_size);
         // Steps 1 and 2: measure paint from the initial cameras and adjust with the richest model
         // of the base that the data allow. The result is only the start for what follows.
         let first_field = problem.field.clone();
@@ -85,19 +84,14 @@ impl KnownFrames<'_> {
             seen: again,
             sizes: Vec::new(),
         };
-        let mut open_size = None;
-        if let Some(open_field) = open_field {
-            let template = open_field.template().map_err(BaseEstimationError::from)?;
-            let size = OpenSize::new(template, &measured.problem.field);
+        if let Some(size) = open_size {
             let sizing = SizingOnPaint {
-                open_field: &open_field,
-                size: &size,
+                size,
                 model: &model,
                 adjust: &options.adjust,
                 masks: &masks,
             };
-            measured = sizing.fit_until_settled(measured, (&first, &seen), picture)?;
-            open_size = Some(size);
+            measured = sizing.fit_until_settled(measured, (&first, &seen), picture);
         }
         let MeasuredFrames {
             problem,
@@ -168,7 +162,6 @@ impl KnownFrames<'_> {
             problem,
             estimate,
             sizes,
-            open_size,
             seen,
         })
     }

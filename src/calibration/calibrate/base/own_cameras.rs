@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 use thiserror::Error;
-use touchline_core::camera::PtzCamera;
+use touchline_core::camera::{PtzCamera, StatedLens};
 use touchline_core::field::{FieldError, FieldModel};
-use touchline_core::geometry::{ImagePoint, ImageSize, subsample};
+use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::progress::Progress;
 use touchline_core::solve::ObservationError;
 use touchline_core::solve::base::FrameClicks;
@@ -113,7 +113,7 @@ pub(super) fn cameras_from_lines(
     field: &FieldModel,
     frames: &[FrameClicks],
     image_size: ImageSize,
-    principal_point: Option<ImagePoint>,
+    lens: StatedLens,
 ) -> Vec<PtzCamera> {
     // A start needs one good camera, and each takes 10 ms (`tests/benches/lines.md`), so some
     // frames suffice. Frames with fewer equations than four landmarks give are not tried.
@@ -129,7 +129,7 @@ pub(super) fn cameras_from_lines(
                 field,
                 observations: &frame.observations,
                 image_size,
-                principal_point,
+                lens,
             };
             let found = camera_from_lines(&picture, &FromLinesOptions::default());
             found.ok().map(|found| found.camera())
@@ -153,7 +153,7 @@ fn solve_alone(
         field,
         observations: &clicks,
         image_size: frame.image_size,
-        principal_point: document.stated_principal_point(frame),
+        lens: document.stated_lens(frame),
     };
     let camera = camera_from_lines(&picture, &FromLinesOptions::default())?;
     let rms_px = rms_of_clicks_px(&clicks, &camera.camera()).unwrap_or(0.0);
@@ -243,7 +243,8 @@ mod tests {
     use super::*;
     use crate::calibrate::{BaseProblem, BaseReadiness, camera_alone};
     use std::ops::ControlFlow;
-    use touchline_core::geometry::ImageSize;
+    use touchline_core::camera::{CameraBase, FocalCurve};
+    use touchline_core::geometry::{ImagePoint, ImageSize};
     use touchline_core::score::annotated_lines;
     use touchline_core::solve::base::BaseOptions;
     use touchline_core::testing::{TestBase, base_at, soccer};
@@ -253,24 +254,29 @@ mod tests {
     const SIZE: ImageSize = ImageSize::new(960, 540);
 
     /// Two pictures of different cameras with their lines, and one with a single line, of a stated
-    /// principal point.
-    fn three_pictures_about(principal_point: ImagePoint) -> (Document, Vec<PtzCamera>) {
+    /// lens.
+    fn three_pictures_of(
+        principal_point: ImagePoint,
+        distortion: FocalCurve,
+    ) -> (Document, Vec<PtzCamera>) {
         let field = soccer();
         let cameras = [
             ([2.0, -66.0, 16.0], (-28.0, -12.0, 2000.0)),
             ([-4.0, -80.0, 22.0], (24.0, -14.0, 2600.0)),
         ]
         .map(|(position_m, (pan_deg, tilt_deg, focal_px))| {
-            base_at(position_m, principal_point).aim(pan_deg, tilt_deg, focal_px)
+            let base = CameraBase {
+                distortion,
+                ..base_at(position_m, principal_point)
+            };
+            base.aim(pan_deg, tilt_deg, focal_px)
         });
         let mut document = soccer_document();
-        document.cameras.push(
-            Camera {
-                principal_point,
-                ..Camera::new("main".into(), SIZE)
-            }
-            .into(),
-        );
+        // Of the camera only the lens is known.
+        let mut main = Camera::new("main".into(), SIZE);
+        main.set_base(cameras[0].base());
+        (main.position_m, main.base_from_world) = (None, None);
+        document.cameras.push(main.into());
         for (number, camera) in cameras.iter().enumerate() {
             let mut frame = new_frame(&format!("{number}.jpg"), SIZE);
             for line in annotated_lines(&field, camera, SIZE) {
@@ -287,19 +293,34 @@ mod tests {
     }
 
     fn three_pictures() -> (Document, Vec<PtzCamera>) {
-        three_pictures_about(SIZE.centre())
+        three_pictures_of(SIZE.centre(), FocalCurve::NONE)
     }
 
     #[test]
     fn a_stated_principal_point_is_kept() {
         let stated = ImagePoint::new(300.0, 330.0);
-        let (mut document, cameras) = three_pictures_about(stated);
+        let (mut document, cameras) = three_pictures_of(stated, FocalCurve::NONE);
         give_own_cameras(&mut document, Path::new("/"), &Progress::default()).unwrap();
         for (frame, truth) in document.frames.iter().zip(&cameras) {
             let base = document.camera_of(frame).unwrap().base().unwrap();
             let off_m = (base.position_m - truth.base().position_m).norm();
             assert_eq!(base.principal_point, stated);
             assert!(off_m < 2.0, "{off_m} m");
+        }
+    }
+
+    #[test]
+    fn a_stated_distortion_is_the_prior() {
+        let stated = FocalCurve::constant(-0.35);
+        let (mut document, cameras) = three_pictures_of(SIZE.centre(), stated);
+        give_own_cameras(&mut document, Path::new("/"), &Progress::default()).unwrap();
+        for (frame, truth) in document.frames.iter().zip(&cameras) {
+            let found = document.ptz_camera(frame).unwrap();
+            let off_m = (found.base().position_m - truth.base().position_m).norm();
+            assert!(off_m < 2.0, "{off_m} m");
+            assert!((found.k1() + 0.35).abs() < 0.02, "{}", found.k1());
+            let k1_sigma = found.base().sigma.k1;
+            assert!((1e-4..0.02).contains(&k1_sigma), "{k1_sigma}");
         }
     }
 

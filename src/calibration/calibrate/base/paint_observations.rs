@@ -71,7 +71,7 @@ impl KnownCameras {
     }
 
     /// These cameras after an adjustment to clicks and paint.
-    pub(super) fn adjust(
+    pub(in crate::calibrate) fn adjust(
         &self,
         problem: &BaseProblem,
         seen: &PaintObservations,
@@ -93,7 +93,7 @@ impl KnownCameras {
 }
 
 /// Observations of the painted lines.
-pub(super) struct PaintObservations {
+pub(in crate::calibrate) struct PaintObservations {
     /// The clicks of each frame of the problem, followed by its paint.
     pub painted: Vec<FrameClicks>,
     /// The camera of each frame: aligned to the paint, or unchanged.
@@ -192,7 +192,7 @@ impl PaintObservations {
 
 impl BaseProblem {
     /// The same frames with their clicks on a field of another size.
-    pub(super) fn on_field(self, field: FieldModel) -> Self {
+    pub(in crate::calibrate) fn on_field(self, field: FieldModel) -> Self {
         Self {
             clicks: frames_on_field(&self.clicks, &field),
             field,
@@ -202,7 +202,10 @@ impl BaseProblem {
 }
 
 /// The same clicks and paint with their coordinates on a field of another size.
-pub(super) fn frames_on_field(frames: &[FrameClicks], field: &FieldModel) -> Vec<FrameClicks> {
+pub(in crate::calibrate) fn frames_on_field(
+    frames: &[FrameClicks],
+    field: &FieldModel,
+) -> Vec<FrameClicks> {
     let moved = frames.iter().map(|frame| frame_on_field(frame, field));
     moved.collect()
 }

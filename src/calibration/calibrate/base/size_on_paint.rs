@@ -11,49 +11,14 @@
 //! 1 m and moves the near line by 20 px. So the fitted lines have to find as much paint as the
 //! lines before.
 
-use super::field_size::set_size;
-use super::paint_observations::{BaseOnPaintError, KnownCameras, PaintObservations};
-use super::size_fit::OpenSize;
-use crate::calibrate::{BaseEstimationError, BaseProblem};
-use touchline_core::field::{FieldError, FieldModel, Template};
+use super::paint_observations::{KnownCameras, PaintObservations};
+use crate::calibrate::BaseProblem;
+use crate::calibrate::field_size::OpenSize;
+use crate::calibrate::field_size::{alone_sigma_m, as_paint_alone_gives};
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::PixelBox;
 use touchline_core::solve::base::{AdjustOptions, BaseModel, FittedSize};
-use touchline_documents::document::{DocumentAt, FieldSpec};
 use touchline_vision::media::Picture;
-
-/// Minimum 1-σ of the position along each axis, and of a fitted length of the field, where paint
-/// alone determines it, as a share of the field's width: 0.3 m on a soccer pitch.
-///
-/// Deviations of the real ground from the model are common to all frames, so the scatter of the
-/// paint does not show them. Positions differ by 0.06 to 0.64 m from those fitted to people's
-/// clicks, where the scatter alone suggests 0.05 m; widths differ by up to 0.8 m where it suggests
-/// 0.04 to 0.13 m. If clicks give a position too, half of the difference between the two is used
-/// instead.
-const ALONE_SHARE: f64 = 0.3 / 68.0;
-
-/// A length that paint alone gives is not steady beyond this 1-σ (a share of the field's width: 1 m
-/// on a soccer pitch): a far line that is off by 2 px gives a width that is off by that.
-pub(crate) const UNSTEADY_SHARE: f64 = 1.0 / 68.0;
-
-/// Paint alone does not determine a length beyond this 1-σ, even where the rules leave it far more
-/// open. A length between the two is shown, but the search goes on: taken for open, its line would
-/// be drawn where the usual size has it, 13 px beside a far touchline whose width was known to
-/// 1.06 m.
-const OPEN_SHARE: f64 = 1.5 * UNSTEADY_SHARE;
-
-/// The minimum 1-σ of a position and of a length on a field, where paint alone determines them, m.
-pub(crate) fn alone_sigma_m(field: &FieldModel) -> f64 {
-    ALONE_SHARE * field.width_m
-}
-
-/// Raises the σ of each length to the floor that applies to paint alone, and marks the lengths that
-/// it does not determine.
-pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize], field: &FieldModel) {
-    for length in sizes {
-        length.is_open |= length.sigma_m > OPEN_SHARE * field.width_m;
-        length.cover_error(alone_sigma_m(field));
-    }
-}
 
 /// A fitted size is taken if the lines of that field find at least this share of the paint that
 /// those of the assumed size find; less than 1 for what changes by chance.
@@ -66,27 +31,6 @@ const SETTLED_SHARE: f64 = 1.0 / 3.0;
 /// still moves in the last one is stated no better than by that step: drawn clip 9 of the bowl (on
 /// a low mast, 360 lines), 109.1, 111.9, 112.6, 113.9 m.
 const MAX_FITS: usize = 4;
-
-/// A field of unknown size.
-pub(crate) struct OpenField<'a> {
-    /// The document that it belongs to.
-    pub document: DocumentAt<'a>,
-    /// The field.
-    pub spec: &'a FieldSpec,
-}
-
-impl OpenField<'_> {
-    pub(super) fn template(&self) -> Result<Template, FieldError> {
-        self.spec.template(self.document.folder)
-    }
-
-    /// The field with fitted lengths.
-    fn field_with_sizes(&self, sizes: &[FittedSize]) -> Result<FieldModel, FieldError> {
-        let mut sized = self.spec.clone();
-        set_size(&mut sized, sizes);
-        self.document.model_of(&sized)
-    }
-}
 
 /// Frames with their paint, and the cameras from which it was measured.
 pub(super) struct MeasuredFrames {
@@ -117,7 +61,6 @@ impl MeasuredFrames {
 
 /// How the size of a field is fitted to the paint of known frames.
 pub(super) struct SizingOnPaint<'a> {
-    pub open_field: &'a OpenField<'a>,
     pub size: &'a OpenSize,
     pub model: &'a BaseModel,
     pub adjust: &'a AdjustOptions,
@@ -130,21 +73,18 @@ impl SizingOnPaint<'_> {
     /// what the lines of the fitted size find, until it stands still. Returns the frames as
     /// `measured` if the lines of another size find less. The last step, be it taken or refused, is
     /// in the stated σ unless it is short.
-    ///
-    /// # Errors
-    /// The field of a fitted size cannot be had.
     pub fn fit_until_settled(
         &self,
         mut measured: MeasuredFrames,
         first: (&KnownCameras, &PaintObservations),
         picture: &mut dyn FnMut(usize) -> Option<Picture>,
-    ) -> Result<MeasuredFrames, BaseOnPaintError> {
+    ) -> MeasuredFrames {
         for fit in 0..MAX_FITS {
             let from = match fit {
                 0 => first,
                 _ => (&measured.start, &measured.seen),
             };
-            let Some(mut next) = self.resize(&measured.problem, from, picture)? else {
+            let Some(mut next) = self.resize(&measured.problem, from, picture) else {
                 break;
             };
             let enough = LEAST_SHARE_WITH_SIZE * measured.seen.places as f64;
@@ -161,7 +101,7 @@ impl SizingOnPaint<'_> {
                 break;
             }
         }
-        Ok(measured)
+        measured
     }
 
     /// Fits the size to observed paint and searches the lines of that size in the pictures. None if
@@ -171,30 +111,27 @@ impl SizingOnPaint<'_> {
         problem: &BaseProblem,
         (cameras, seen): (&KnownCameras, &PaintObservations),
         picture: &mut dyn FnMut(usize) -> Option<Picture>,
-    ) -> Result<Option<MeasuredFrames>, BaseOnPaintError> {
+    ) -> Option<MeasuredFrames> {
         let adjusted = cameras.adjust(problem, seen, self.model, self.adjust);
         let from = (&adjusted.base, adjusted.ptz.as_slice());
         let mut sizes = problem.fit_size(self.size, &seen.painted, from, self.model);
         if sizes.is_empty() {
-            return Ok(None);
+            return None;
         }
         if !cameras.by_clicks {
             as_paint_alone_gives(&mut sizes, &problem.field);
         }
-        let field = self
-            .open_field
-            .field_with_sizes(&sizes)
-            .map_err(BaseEstimationError::from)?;
+        let field = self.size.field_with(&sizes)?;
         let problem = problem.clone().on_field(field);
         // The cameras belong to the size that they were adjusted with.
         let seen = seen.on_field(&problem.field);
         let start = cameras.adjust(&problem, &seen, self.model, self.adjust);
-        let seen = PaintObservations::measure(&problem, &start, self.masks, picture).ok();
-        Ok(seen.map(|seen| MeasuredFrames {
+        let seen = PaintObservations::measure(&problem, &start, self.masks, picture).ok()?;
+        Some(MeasuredFrames {
             problem,
             start,
             seen,
             sizes,
-        }))
+        })
     }
 }

@@ -33,6 +33,16 @@ pub(super) fn with_common(
     covariance
 }
 
+/// The covariance of a frame's camera (pan rad, tilt rad, focal length px) with the error of lines
+/// that no known camera shows, `lines_px` (1-σ): in the picture they lie beside their paint as if
+/// the camera had turned. In which direction is left open: each has half of the variance.
+pub(super) fn with_unseen_lines(mut covariance: Mat3, lines_px: f64, ptz: Ptz) -> Mat3 {
+    let variance = 0.5 * (lines_px / ptz.focal_px).powi(2);
+    covariance[(0, 0)] += variance;
+    covariance[(1, 1)] += variance;
+    covariance
+}
+
 /// An overlay with at most this error is right, px at 1920 px width.
 const RIGHT_PX: f64 = 10.0;
 
@@ -94,8 +104,6 @@ pub(super) struct TrackedOverlay {
     /// The root mean square error at the worst corner of the picture, px. Without the base's part
     /// where the base is confirmed.
     pub corner_px: f64,
-    /// 1-σ of the lines that no known camera shows, px.
-    pub length_px: f64,
     /// Distance between the cameras propagated from both sides, px.
     pub apart_px: Option<f64>,
     pub paint: PaintVerdict,
@@ -106,13 +114,12 @@ pub(super) struct TrackedOverlay {
 pub(super) fn confidence(overlay: &TrackedOverlay, size: ImageSize) -> f64 {
     let TrackedOverlay {
         corner_px,
-        length_px,
         apart_px,
         paint,
     } = *overlay;
     let px = size.scale_from_1920();
     // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
-    let sigma_px = corner_px.hypot(length_px) / 2f64.sqrt();
+    let sigma_px = corner_px / 2f64.sqrt();
     let right = right_within(RIGHT_PX * px, sigma_px);
     // Without paint, the two directions of propagation must not contradict each other.
     let both_sides = apart_px.is_none_or(|apart_px| apart_px <= RIGHT_PX * px);

@@ -7,7 +7,6 @@ mod error;
 mod evidence;
 mod fit;
 mod frames;
-pub mod measured_length;
 mod options;
 mod paint;
 mod pictures;
@@ -16,7 +15,6 @@ mod record;
 mod stretch;
 mod track;
 mod unmeasured;
-mod unseen_size;
 
 pub use anchors::is_anchor;
 pub use error::TrackClipError;

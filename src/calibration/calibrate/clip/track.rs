@@ -5,16 +5,16 @@
 use super::anchors::anchors;
 use super::certainty::{
     BaseWitnesses, DIFFER_PX, PaintVerdict, TrackedOverlay, confidence, with_common,
+    with_unseen_lines,
 };
 use super::error::TrackClipError;
 use super::evidence::ClipEvidence;
 use super::fit::{ClipFit, FittedClip, PaintVerdicts};
 use super::frames::{ClipFrame, ClipFrames};
-use super::measured_length::LengthOnLines;
 use super::options::{ClipProgress, TrackClipOptions};
 use super::pictures::ClipPictures;
 use super::unmeasured::Unmeasured;
-use super::unseen_size::is_size_stated;
+use crate::calibrate::LengthOnLines;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::progress::Progress;
@@ -173,7 +173,7 @@ pub(super) fn track_readable(
     } = paint_verdicts;
     // The size of the field is open unless it is stated, and where the paint contradicts what is
     // stated.
-    let unmeasured = if is_size_stated(spec.size()) && !is_of_other_field {
+    let unmeasured = if spec.is_size_stated() && !is_of_other_field {
         Unmeasured::default()
     } else {
         Unmeasured::measure(&fit, &by_points, &paint, reader)?
@@ -239,19 +239,19 @@ pub(super) fn track_readable(
             continue;
         }
         // The uncertainty of the frame: its part of the joint covariance, the error common to all
-        // frames, and the base's.
+        // frames, that of lines that no known frame shows, and the base's.
         let reached = smoothed[frame]
             .zip(adjusted.frames[frame])
             .and_then(|(ptz, adjusted)| {
                 let is_focal_known = camera.focal_px_at(frame).is_some();
                 let covariance = with_common(adjusted.covariance, ptz, size, is_focal_known);
                 let camera = PtzCamera::new(camera.base_at(frame), ptz);
-                Some((
-                    camera,
-                    Uncertainty::from_covariance(&camera, covariance, size).ok()?,
-                ))
+                let length_px = unmeasured.sigma_px(&camera, size);
+                let covariance = with_unseen_lines(covariance, length_px, ptz);
+                let known = Uncertainty::from_covariance(&camera, covariance, size).ok()?;
+                Some((camera, known, length_px))
             });
-        let Some((camera, uncertainty)) = reached else {
+        let Some((camera, uncertainty, length_px)) = reached else {
             // A camera that it had before stays.
             tracked
                 .missed
@@ -261,7 +261,6 @@ pub(super) fn track_readable(
         // Where the paint agrees, a disagreement between the two directions of propagation is
         // settled.
         let apart_px = propagated.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
-        let length_px = unmeasured.sigma_px(&camera, size);
         // Paint that agrees here, or in a frame that shows nearly the same, confirms the base in
         // this direction: its σ then does not count.
         let is_base_shown = paint[frame] == PaintVerdict::Agrees || witnesses.show(camera.ptz());
@@ -272,7 +271,6 @@ pub(super) fn track_readable(
         };
         let overlay = TrackedOverlay {
             corner_px: of_camera.worst_corner_sigma_px(&camera, size),
-            length_px,
             apart_px,
             paint: paint[frame],
         };

@@ -1,17 +1,26 @@
 //! What the known cameras of a clip leave open of the size of its field, as far as its own pictures
 //! do not measure it.
 
+use super::anchors::is_anchor;
 use super::certainty::{DIFFER_PX, PaintVerdict};
 use super::error::TrackClipError;
 use super::fit::ClipFit;
-use super::measured_length::{FRAMES, LengthOnLines, PosedPicture, measure_length, other_length};
-use super::unseen_size::UnseenSize;
+use crate::calibrate::field_size::on_lines::{
+    FRAMES, LengthOnLines, PosedPicture, measure_length, other_length,
+};
+use crate::calibrate::field_size::unseen::UnseenSize;
 use std::collections::BTreeSet;
 use touchline_core::camera::PtzCamera;
 use touchline_core::geometry::{ImageSize, subsample};
+use touchline_documents::document::Frame;
 use touchline_vision::media::ReadFrames;
 use touchline_vision::paint::GroundPicture;
 use touchline_vision::track::{AdjustedClip, AdjustedFrame};
+
+/// Whether a frame's camera says what its picture shows.
+fn is_known(_: usize, frame: &Frame) -> bool {
+    is_anchor(frame)
+}
 
 /// The lengths of a clip's field with their errors.
 #[derive(Default)]
@@ -41,9 +50,10 @@ impl Unmeasured {
             .filter(|(_, verdict)| **verdict == PaintVerdict::Contradicts)
             .filter_map(|(frame, _)| frame.place)
             .collect();
-        let is_wrong = |place: usize| contradicted.contains(&place);
+        let is_right =
+            |place: usize, frame: &Frame| is_anchor(frame) && !contradicted.contains(&place);
         let mut found = Self {
-            sizes: UnseenSize::from_known_frames(at, camera, &is_wrong)?,
+            sizes: UnseenSize::from_known_frames(at, camera, &is_right)?,
             lengths: Vec::new(),
         };
         if fit.options.paint_every == 0 {
@@ -76,7 +86,7 @@ impl Unmeasured {
                 continue;
             };
             unseen.take_measured(size.value_m, size.sigma_m);
-            let other = other_length(at, &clip.camera, unseen, size, looks.len())?;
+            let other = other_length(at, &clip.camera, unseen, size, looks.len(), &is_known)?;
             found.lengths.extend(other);
         }
         Ok(found)
@@ -101,9 +111,10 @@ mod tests {
     use touchline_core::field::builtin;
     use touchline_core::geometry::Vec3;
     use touchline_core::testing::base_at;
-    use touchline_documents::document::{Document, FieldSize, FramePtz, FrameStatus};
-    use touchline_documents::testing::match_from;
-    use touchline_documents::testing::new_frame;
+    use touchline_documents::document::{
+        Click, Document, FieldSize, FramePtz, FrameStatus, SolutionSource, Target,
+    };
+    use touchline_documents::testing::{match_from, new_frame, solved_by};
     use touchline_vision::media::Picture;
     use touchline_vision::synthetic::{FrameOptions, Stadium, StadiumOptions, stadium};
 
@@ -145,7 +156,7 @@ mod tests {
     /// What known frames leave open of the length.
     fn unseen_length(document: &Document) -> UnseenSize {
         let at = document.at(Path::new(""));
-        let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &|_| false);
+        let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &is_known);
         let mut sizes = sizes.unwrap().into_iter();
         sizes
             .find(|unseen| unseen.param().name == "length_m")
@@ -179,8 +190,7 @@ mod tests {
     /// The confidence in a frame with an otherwise nearly exact overlay.
     fn confidence_at(unseen: &UnseenSize, base: &CameraBase, pan_deg: f64) -> f64 {
         let overlay = TrackedOverlay {
-            corner_px: 0.5,
-            length_px: unseen.sigma_px(base, look(pan_deg), SIZE),
+            corner_px: unseen.sigma_px(base, look(pan_deg), SIZE).hypot(0.5),
             apart_px: None,
             paint: PaintVerdict::Agrees,
         };
@@ -240,7 +250,7 @@ mod tests {
                 assert_eq!(sure, is_right, "{assumed_m} m, {pan_deg}°: {size:?}");
             }
             let at = document.at(Path::new(""));
-            let other = other_length(at, &"main".into(), &unseen, size, ends.len());
+            let other = other_length(at, &"main".into(), &unseen, size, ends.len(), &is_known);
             assert_eq!(other.unwrap().is_some(), !is_right, "{assumed_m} m");
         }
     }
@@ -257,6 +267,21 @@ mod tests {
             let unseen = unseen_length(&known_at(&base(), pans_deg, 104.0));
             assert!(unseen.is_open(), "{pans_deg:?}");
         }
+    }
+
+    /// Clicks at the right end say nothing of the circle at the edge of the same picture.
+    #[test]
+    fn of_a_clicked_frame_only_the_lines_with_clicks_are_seen() {
+        let mut document = known_at(&base(), &[22.0], 104.0);
+        let frame: &mut Frame = &mut document.frames[0];
+        frame.solution = solved_by(SolutionSource::Clicks);
+        let at = SIZE.centre();
+        let ends = ["goal_area_far_right_goal_line", "corner_far_right"];
+        frame.clicks = ends.map(|id| Click::landmark(id.into(), at)).into();
+        assert!(unseen_length(&document).is_open());
+        let circle = Click::new(Target::Line("centre_circle".into()), at);
+        document.frames[0].clicks.push(circle);
+        assert!(!unseen_length(&document).is_open());
     }
 
     /// Where the right end was seen, the camera moves with it.
@@ -278,7 +303,7 @@ mod tests {
             let off_m = (size.value_m - length_m).abs();
             assert!(off_m < 0.5 && off_m < 2.0 * size.sigma_m, "{size:?}");
             let at = document.at(Path::new(""));
-            let other = other_length(at, &"main".into(), &unseen, size, middle.len());
+            let other = other_length(at, &"main".into(), &unseen, size, middle.len(), &is_known);
             let other = other.unwrap().expect("another length");
             assert_eq!(other.is_prescribed, stated.is_some());
             take_length(&mut document, &other);

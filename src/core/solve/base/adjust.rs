@@ -5,7 +5,7 @@ use super::bundle::{Bundle, BundleState, keep_determined};
 use super::parameters::{OF_BASE, PRINCIPAL_POINT, Shared, free_parameters};
 use super::shared_prior::{Expected, SharedPrior};
 use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, Prescribed};
-use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz, SharedCovariance};
+use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz, SharedCovariance, StatedLens};
 use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, ImageSize, Mat3, Vec2, Vec3};
 use crate::solve::Loss;
@@ -70,6 +70,17 @@ impl Default for AdjustOptions {
             priors: BasePriors::default(),
             prescribed: Prescribed::default(),
             max_iterations: 60,
+        }
+    }
+}
+
+impl AdjustOptions {
+    /// The same with a lens as it is stated for pictures of a size.
+    #[must_use]
+    pub fn with_lens(self, lens: &StatedLens, image_size: ImageSize) -> Self {
+        Self {
+            priors: self.priors.with_lens(lens, image_size),
+            ..self
         }
     }
 }
@@ -323,6 +334,23 @@ pub(in crate::solve) fn direction_to_field(position_m: Vec3) -> Vec2 {
 }
 
 impl BasePriors {
+    /// The same with a lens as it is stated for pictures of a size in place of the usual one.
+    #[must_use]
+    pub fn with_lens(self, lens: &StatedLens, image_size: ImageSize) -> Self {
+        let Some(radial) = lens.radial else {
+            return self;
+        };
+        let per_1920 = image_size.scale_from_1920();
+        Self {
+            k1: radial.k1_at(LENS_FOCAL_PX * per_1920),
+            k1_slope: (
+                radial.curve.per_1000_px * per_1920,
+                radial.per_1000_px_sigma * per_1920,
+            ),
+            ..self
+        }
+    }
+
     /// The usual lens of broadcast cameras for pictures of a size: k₁ follows the focal length.
     pub fn usual_lens(&self, image_size: ImageSize) -> FocalCurve {
         let per_1920 = image_size.scale_from_1920();

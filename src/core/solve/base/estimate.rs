@@ -11,9 +11,9 @@ use super::{
     AdjustOptions, Adjustments, BaseError, BaseModel, BaseProgress, CameraClicks, CrownModel,
     FrameClicks, HeldOutErrors, LensModel, ModelReason, Prescribed,
 };
-use crate::camera::{CameraBase, Ptz};
+use crate::camera::{CameraBase, Ptz, StatedLens};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, median};
+use crate::geometry::{ImagePoint, ImageSize, median};
 use crate::progress::Progress;
 
 /// With fewer frames the principal point cannot be separated from the position.
@@ -38,6 +38,17 @@ pub struct BaseOptions {
 }
 
 impl BaseOptions {
+    /// The same with a lens as it is stated for pictures of a size. A stated distortion is a prior
+    /// of the model that can have it; without one the models are compared.
+    #[must_use]
+    pub fn with_lens(self, lens: &StatedLens, image_size: ImageSize) -> Self {
+        Self {
+            lens: self.lens.or(lens.radial.map(|_| LensModel::K1Focal)),
+            adjust: self.adjust.with_lens(lens, image_size),
+            ..self
+        }
+    }
+
     /// The mean of the principal point's prior; none if the principal point is not estimated. Few
     /// frames do not determine it: on real matches the error of one or two frames is a tenth larger
     /// with it than without, that of ten frames 2 % larger, and that of all frames a tenth smaller.

@@ -58,11 +58,12 @@ pub(super) fn starting_state(
     start: &Start,
     options: &FromLinesOptions,
 ) -> PictureState {
-    // A start knows no lens: it begins with the usual one, and the crown in the middle of its prior
-    // where it is free.
-    let usual = &options.priors.base;
+    // A start knows no lens: it begins with the stated or the usual one, and the crown in the
+    // middle of its prior where it is free.
+    let usual = options.priors.of_base(picture);
+    let stated = picture.lens.radial.map(|radial| radial.curve);
     let base = CameraBase {
-        distortion: usual.usual_lens(picture.image_size),
+        distortion: stated.unwrap_or(usual.usual_lens(picture.image_size)),
         ..start.base
     };
     let height_m = options
@@ -97,6 +98,7 @@ impl PictureFit {
             crown: options.crown(picture.field),
             // A stated principal point is kept.
             principal_point: picture
+                .lens
                 .principal_point
                 .is_none()
                 .then(|| picture.image_size.centre()),
@@ -114,7 +116,9 @@ impl PictureFit {
                 .collect(),
             place: priors.place(picture.field),
             focal: priors.focal(picture.image_size),
-            shared: priors.base.for_model(&model, picture.image_size, &view),
+            shared: priors
+                .of_base(picture)
+                .for_model(&model, picture.image_size, &view),
             free: free_parameters(&model),
             loss,
         }

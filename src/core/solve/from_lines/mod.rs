@@ -73,9 +73,9 @@ use super::base::CrownModel;
 use super::observations::drawn_line::DrawnLine;
 use super::observations::observation::landmark_observations;
 use super::{IdentityFinding, Observation, Uncertainty};
-use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::camera::{CameraBase, Ptz, PtzCamera, StatedLens};
 use crate::field::{Curve, FieldModel};
-use crate::geometry::{ImagePoint, ImageSize, Vec3, pluralise};
+use crate::geometry::{ImageSize, Vec3, pluralise};
 use hypotheses::fit_picture;
 use names::correct_names;
 use thiserror::Error;
@@ -90,15 +90,8 @@ pub struct LinePicture<'a> {
     pub observations: &'a [Observation],
     /// The size of the picture.
     pub image_size: ImageSize,
-    /// The principal point where it is stated, px; none: estimated, near the picture's middle.
-    pub principal_point: Option<ImagePoint>,
-}
-
-impl LinePicture<'_> {
-    /// The principal point with which the search starts, px.
-    fn nominal_principal_point(&self) -> ImagePoint {
-        self.principal_point.unwrap_or(self.image_size.centre())
-    }
+    /// The lens as it is stated: a principal point is kept, a distortion is a prior.
+    pub lens: StatedLens,
 }
 
 /// How the camera of a picture is found.

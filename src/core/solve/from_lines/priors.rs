@@ -6,6 +6,7 @@
 //! weak observations: they decide what the lines leave open, and the stated covariance contains
 //! them.
 
+use super::LinePicture;
 use crate::camera::Ptz;
 use crate::field::FieldModel;
 use crate::geometry::{Angle, ImageSize, Vec3};
@@ -61,6 +62,12 @@ impl PicturePriors {
             position_m: self.position_m * scale,
             sigma_m: self.sigma_position_m * scale,
         }
+    }
+
+    /// The priors of roll, pitch, lens, crown and principal point of a picture, with its lens where
+    /// it is stated.
+    pub(super) fn of_base(&self, picture: &LinePicture<'_>) -> BasePriors {
+        self.base.with_lens(&picture.lens, picture.image_size)
     }
 
     /// The prior of the focal length in pictures of a size.

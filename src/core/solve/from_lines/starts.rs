@@ -50,7 +50,7 @@ pub(super) fn find_starts(
     ranking: &[Observation],
     priors: &PicturePriors,
 ) -> Vec<Start> {
-    let centre = picture.nominal_principal_point();
+    let centre = picture.lens.principal_point_in(picture.image_size);
     let ranking = Ranking {
         observations: ranking,
         place: priors.place(picture.field),

@@ -70,7 +70,7 @@ fn solve(
         field,
         observations,
         image_size: SIZE,
-        principal_point: None,
+        lens: StatedLens::default(),
     };
     camera_from_lines(&picture, &FromLinesOptions::default())
 }

@@ -3,7 +3,9 @@
 use super::adapters;
 use crate::document::{CameraId, Extra, FieldSpec, Frame, RangedMask};
 use serde::{Deserialize, Serialize};
-use touchline_core::camera::{BaseCorrelation, BaseSigma, CameraBase, FocalCurve, PtzCamera};
+use touchline_core::camera::{
+    BaseCorrelation, BaseSigma, CameraBase, FocalCurve, PtzCamera, StatedLens, StatedRadial,
+};
 use touchline_core::geometry::rotation::{distance_from_rotation, nearest_rotation};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec2, Vec3};
 
@@ -276,10 +278,16 @@ impl Camera {
         }
     }
 
-    /// The principal point, px, where it is another than the middle of the picture, which stands
-    /// for an unknown one.
-    pub fn stated_principal_point(&self) -> Option<ImagePoint> {
-        Some(self.principal_point).filter(|point| *point != self.image_size.centre())
+    /// The lens as somebody stated it. The middle of the picture stands for an unknown principal
+    /// point; the distortion beside a base is a result, and no prior of the next one.
+    pub fn stated_lens(&self) -> StatedLens {
+        let centre = self.image_size.centre();
+        let curve = self.curve().filter(|_| self.base().is_none());
+        let sigma = self.sigma.as_ref().map(BaseSigma::from).unwrap_or_default();
+        StatedLens {
+            principal_point: Some(self.principal_point).filter(|point| *point != centre),
+            radial: curve.map(|curve| StatedRadial::new(curve, &sigma)),
+        }
     }
 
     /// The lens by focal length, where the camera has a curve.

@@ -1,13 +1,14 @@
 //! The document as a whole.
 
 use crate::document::{
-    Camera, CameraId, ClickNoise, Extra, FieldSpec, Frame, Frames, Shared, Shot, StoredClickNoise,
+    Camera, CameraId, ClickNoise, Extra, FieldSpec, Frame, FrameLens, Frames, Shared, Shot,
+    StoredClickNoise,
 };
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
-use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::camera::{CameraBase, PtzCamera, StatedLens};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, PixelBox};
+use touchline_core::geometry::PixelBox;
 
 /// The value of `format` in every document of this program.
 pub const FORMAT_NAME: &str = "touchline";
@@ -184,11 +185,11 @@ impl Document {
         self.camera(&frame.camera)
     }
 
-    /// The principal point of a frame that somebody stated, px: that of the frame's own lens, or
-    /// one of its camera other than the middle of the picture.
-    pub fn stated_principal_point(&self, frame: &Frame) -> Option<ImagePoint> {
-        let own = frame.lens.as_ref().map(|lens| lens.principal_point);
-        own.or_else(|| self.camera_of(frame)?.stated_principal_point())
+    /// The lens of a frame as somebody stated it: the frame's own, or that of its camera.
+    pub fn stated_lens(&self, frame: &Frame) -> StatedLens {
+        let own = frame.lens.as_ref().map(FrameLens::stated_lens);
+        let of_camera = || self.camera_of(frame).map(Camera::stated_lens);
+        own.or_else(of_camera).unwrap_or_default()
     }
 
     /// The field that a frame shows: its camera's own, else the document's.

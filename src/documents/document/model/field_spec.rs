@@ -142,6 +142,11 @@ impl FieldSpec {
         self.size.as_ref().unwrap_or(&FieldSize::Assumed)
     }
 
+    /// Whether a person or a file states its size, so that it is not to be fitted.
+    pub fn is_size_stated(&self) -> bool {
+        !matches!(self.size(), FieldSize::Assumed | FieldSize::Fitted)
+    }
+
     /// Its length and width in words, where they are assumed although venues differ: “105 × 68 m”.
     /// None for a size that is known or that the rules leave no choice of, and for a template of
     /// the user's own.

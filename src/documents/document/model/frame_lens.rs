@@ -3,7 +3,7 @@
 use super::adapters;
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
-use touchline_core::camera::{CameraBase, FocalCurve, Radial};
+use touchline_core::camera::{BaseSigma, CameraBase, FocalCurve, Radial, StatedLens, StatedRadial};
 use touchline_core::geometry::ImagePoint;
 
 /// The lens of a frame as the camera or its provider reports it, frame by frame: focal length,
@@ -63,6 +63,15 @@ impl FrameLens {
         }
     }
 
+    /// The lens as the prior of a search that does not take it for exact.
+    pub fn stated_lens(&self) -> StatedLens {
+        let curve = FocalCurve::through(self.radial()).unwrap_or(FocalCurve::NONE);
+        StatedLens {
+            principal_point: Some(self.principal_point),
+            radial: Some(StatedRadial::new(curve, &BaseSigma::default())),
+        }
+    }
+
     /// A base with this lens and principal point in place of its own, as exact as they are stated.
     pub fn base_with(&self, base: &CameraBase) -> CameraBase {
         // The curve is constant, because the lens is stated for this frame's focal length alone. A
@@ -87,9 +96,41 @@ mod tests {
     use super::*;
     use crate::document::Camera;
     use crate::testing::new_frame;
-    use touchline_core::camera::{BaseSigma, Ptz};
+    use touchline_core::camera::Ptz;
     use touchline_core::geometry::{Vec2, Vec3};
     use touchline_core::testing::{SIZE, base_at};
+
+    #[test]
+    fn the_lens_as_stated_is_the_frames_or_that_of_a_camera_without_a_base() {
+        let mut camera = Camera::new("main".into(), SIZE);
+        assert_eq!(camera.stated_lens(), StatedLens::default());
+        camera.set_base(&CameraBase {
+            distortion: FocalCurve::constant(-0.1),
+            sigma: BaseSigma {
+                k1: 0.03,
+                ..BaseSigma::default()
+            },
+            ..base_at([0.0, -70.0, 15.0], ImagePoint::new(900.0, 500.0))
+        });
+        // A distortion beside a base is what an estimate found.
+        let beside_base = camera.stated_lens();
+        let stated = ImagePoint::new(900.0, 500.0);
+        assert_eq!(beside_base, StatedLens::from_principal_point(stated));
+        camera.position_m = None;
+        let radial = camera.stated_lens().radial.unwrap();
+        assert_eq!((radial.curve.value, radial.k1_sigma), (-0.1, 0.03));
+
+        let mut document = crate::testing::soccer_document();
+        document.cameras.push(camera.into());
+        let mut frame = new_frame("1.jpg", SIZE);
+        assert_eq!(document.stated_lens(&frame).radial, Some(radial));
+        let own = Radial { k1: 0.2, k2: 1.5 };
+        frame.lens = Some(FrameLens::new(3000.0, stated, own));
+        let of_frame = document.stated_lens(&frame).radial.unwrap();
+        let at_3000 = of_frame.curve.radial_at(3000.0);
+        assert!((at_3000.k1 - 0.2).abs() < 1e-12 && (at_3000.k2 - 1.5).abs() < 1e-12);
+        assert!(of_frame.k1_at(3000.0).1 > 0.0, "no lens is exact");
+    }
 
     #[test]
     fn the_lens_of_a_frame_takes_the_place_of_the_cameras() {

@@ -51,6 +51,16 @@ pub struct TrackingOutcome {
     pub(super) evidence: Arc<ClipEvidence>,
 }
 
+impl From<TrackedClip> for TrackingOutcome {
+    /// Cameras of which no points are kept.
+    fn from(tracked: TrackedClip) -> Self {
+        Self {
+            tracked,
+            evidence: Arc::default(),
+        }
+    }
+}
+
 /// Why a clip could not be tracked.
 #[derive(Debug, Error)]
 pub enum ClipTrackingError {

@@ -1,12 +1,12 @@
 //! An estimated base and its way into the document: the camera, the frames that are solved with it,
 //! and the clicks that it disputes.
 
-use super::super::field_size::write_base;
 use super::super::follow_base::pan_turn;
 use super::super::on_paint::BasePaintAlignment;
 use super::landmark_fit::LandmarkFit;
 use super::{BaseEstimationError, describe_mirrored};
 use crate::calibrate::CalibrationError;
+use crate::calibrate::field_size::written::write_base;
 use crate::calibrate::frames::solve_frames::{FrameFields, is_by_clicks, solve_frames};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

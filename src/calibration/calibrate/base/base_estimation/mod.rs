@@ -5,6 +5,7 @@ mod landmark_fit;
 mod misnamed;
 #[cfg(test)]
 mod tests;
+mod with_size;
 
 use super::own_cameras::cameras_from_lines;
 use crate::calibrate::base_readiness::LANDMARKS_ALONE;
@@ -14,7 +15,7 @@ pub use landmark_fit::LandmarkFit;
 pub use misnamed::Misnamed;
 pub(crate) use misnamed::rename_clicks;
 use thiserror::Error;
-use touchline_core::camera::{CameraBase, PtzCamera};
+use touchline_core::camera::{CameraBase, PtzCamera, StatedLens};
 use touchline_core::field::{FieldError, FieldModel, Symmetry};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::progress::Progress;
@@ -67,6 +68,8 @@ pub struct BaseProblem {
     pub clicks: Vec<FrameClicks>,
     pub(in crate::calibrate) image_size: ImageSize,
     pub(in crate::calibrate) principal_point: ImagePoint,
+    /// The lens as the document states it.
+    pub(super) lens: StatedLens,
     pub(super) previous: Option<CameraBase>,
 }
 
@@ -116,6 +119,7 @@ impl BaseProblem {
             clicks,
             image_size: camera.image_size,
             principal_point: base.principal_point,
+            lens: camera.stated_lens(),
             previous: Some(*base),
         }
     }
@@ -164,6 +168,7 @@ impl BaseProblem {
             clicks,
             image_size: known.image_size,
             principal_point: known.principal_point,
+            lens: known.stated_lens(),
             previous: known.base(),
         })
     }
@@ -209,19 +214,14 @@ impl BaseProblem {
         let own_cameras = if has_landmarks {
             Vec::new()
         } else {
-            cameras_from_lines(
-                &self.field,
-                &self.clicks,
-                self.image_size,
-                // Another than the middle is stated.
-                Some(self.principal_point).filter(|point| *point != self.image_size.centre()),
-            )
+            cameras_from_lines(&self.field, &self.clicks, self.image_size, self.lens)
         };
         let clicks = CameraClicks {
             own_cameras: &own_cameras,
             ..self.camera_clicks()
         };
-        let estimate = estimate_base(&clicks, self.previous.as_ref(), options, progress)?;
+        let options = options.clone().with_lens(&self.lens, self.image_size);
+        let estimate = estimate_base(&clicks, self.previous.as_ref(), &options, progress)?;
         Ok(self.estimated_base(document, estimate))
     }
 
@@ -282,8 +282,8 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
         start: None,
     }];
     if frame.landmark_clicks() < LANDMARKS_ALONE {
-        let principal_point = document.stated_principal_point(frame);
-        return cameras_from_lines(field, &frames, frame.image_size, principal_point).pop();
+        let lens = document.stated_lens(frame);
+        return cameras_from_lines(field, &frames, frame.image_size, lens).pop();
     }
     let (image_size, principal_point) = (frame.image_size, camera.principal_point);
     let clicks = CameraClicks {

@@ -13,15 +13,14 @@
 //! what is seen moves as the mean share. The variance of the slope, joined with that of the rules,
 //! is what remains open: all of it where one part alone is seen.
 
-use crate::calibrate::base::size_fit::OpenSize;
-use crate::calibrate::base::size_on_paint::alone_sigma_m;
-use crate::calibrate::is_anchor;
+use super::OpenSize;
+use super::alone_sigma_m;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
-use touchline_core::field::{FieldError, FieldModel};
+use touchline_core::field::{FieldError, FieldLine, FieldModel};
 use touchline_core::geometry::{ImageSize, Vec2, Vec3, median_high, subsample};
 use touchline_core::markings::{SampleOptions, sample_lines};
 use touchline_core::solve::base::{SizeParam, usual_displacement_m};
-use touchline_documents::document::{Camera, DocumentAt, FieldSize, FrameStatus};
+use touchline_documents::document::{Camera, DocumentAt, Frame, FrameStatus, Target};
 
 /// Distance between samples of a line, px at 1920 px width.
 const SPACING_PX: f64 = 16.0;
@@ -39,6 +38,9 @@ const LINE_SIGMA_PX: f64 = 2.0;
 /// How far a line may likely lie from where the assumed length puts it, as a share of the σ of the
 /// rules: 2.5 m at the end of a soccer pitch, whose length is then 5 m another one.
 const LIKELY_SHARE: f64 = 1.0 / 3.0;
+
+/// A landmark lies on a line within this distance, m.
+const ON_LINE_M: f64 = 0.1;
 
 /// Maximum number of known frames that are looked at, spread evenly over the document.
 const MAX_KNOWN: usize = 200;
@@ -70,23 +72,22 @@ pub(in crate::calibrate) struct UnseenSize {
 }
 
 impl UnseenSize {
-    /// What the known frames of a camera leave open of the size of its field. Rejected frames, and
-    /// those at an index of which `is_wrong` is true, say nothing. Empty without a base, or if the
-    /// rules fix the size.
+    /// What the known frames of a camera, by index and frame, leave open of the size of its field.
+    /// Rejected ones say nothing. Empty without a base, or if the rules fix the size.
     ///
     /// # Errors
     /// The field is not valid.
     pub fn from_known_frames(
         at: DocumentAt<'_>,
         camera: &Camera,
-        is_wrong: &dyn Fn(usize) -> bool,
+        is_known: &dyn Fn(usize, &Frame) -> bool,
     ) -> Result<Vec<Self>, FieldError> {
         let Some(base) = camera.base() else {
             return Ok(Vec::new());
         };
         let spec = at.document.field_of_camera(&camera.id);
         let field = at.model_of(spec)?;
-        let size = OpenSize::new(spec.template(at.folder)?, &field);
+        let size = OpenSize::of(at, spec, &field)?;
         let known = at
             .document
             .frames
@@ -95,14 +96,11 @@ impl UnseenSize {
             .filter(|(index, frame)| {
                 frame.camera == camera.id
                     && frame.status != FrameStatus::Rejected
-                    && is_anchor(frame)
-                    && !is_wrong(*index)
+                    && is_known(*index, frame)
             });
-        let known = known.filter_map(|(_, frame)| {
-            let camera = PtzCamera::new(frame.base_from(&base), frame.ptz.as_ref()?.ptz());
-            Some((camera, frame.image_size))
-        });
-        let known: Vec<_> = known.collect();
+        let known: Vec<KnownFrame> = known
+            .filter_map(|(_, frame)| KnownFrame::new(frame, &base, &field))
+            .collect();
         let known: Vec<_> = subsample(known, MAX_KNOWN).collect();
         let lengths = 0..size.params.len();
         Ok(lengths
@@ -111,12 +109,7 @@ impl UnseenSize {
     }
 
     /// None if the template has no field one step away.
-    fn new(
-        size: OpenSize,
-        index: usize,
-        field: &FieldModel,
-        known: &[(PtzCamera, ImageSize)],
-    ) -> Option<Self> {
+    fn new(size: OpenSize, index: usize, field: &FieldModel, known: &[KnownFrame]) -> Option<Self> {
         let param = &size.params[index];
         let axis = if param.name == "length_m" {
             Vec3::x()
@@ -149,11 +142,16 @@ impl UnseenSize {
     }
 
     /// Joins what is known of the length with the lines that cameras have seen.
-    fn see_lines(&mut self, field: &FieldModel, known: &[(PtzCamera, ImageSize)]) {
+    fn see_lines(&mut self, field: &FieldModel, known: &[KnownFrame]) {
         // The motion of each line in the picture that shows it best, px at 1920 px width per metre.
         let mut shown = vec![0.0_f64; self.by_line.len()];
         let reach = self.axis * (LIKELY_SHARE * self.param().sigma_m);
-        for (camera, image) in known {
+        for KnownFrame {
+            camera,
+            image,
+            clicked,
+        } in known
+        {
             // A line that the assumed length puts just inside the picture may lie outside it: it is
             // seen only if it is in the picture wherever it may likely be.
             let is_inside = |at: Vec3| {
@@ -162,7 +160,8 @@ impl UnseenSize {
             };
             let mut moves: Vec<Vec<f64>> = vec![Vec::new(); shown.len()];
             for sample in telling_samples(field, camera, *image, self.axis) {
-                if is_inside(sample.at - reach) && is_inside(sample.at + reach) {
+                let is_told = clicked.as_ref().is_none_or(|lines| lines[sample.line]);
+                if is_told && is_inside(sample.at - reach) && is_inside(sample.at + reach) {
                     moves[sample.line].push(sample.px_per_m / image.scale_from_1920());
                 }
             }
@@ -295,9 +294,42 @@ impl UnseenSize {
     }
 }
 
-/// Whether a person or a file states the size of a field, so that it is not open.
-pub(in crate::calibrate) fn is_size_stated(size: &FieldSize) -> bool {
-    !matches!(size, FieldSize::Assumed | FieldSize::Fitted)
+/// A frame with a camera that is known.
+struct KnownFrame {
+    camera: PtzCamera,
+    image: ImageSize,
+    /// Of each line of the field whether the clicks that gave the camera are on it; none for a
+    /// camera from elsewhere, which stands for all lines in its picture. Of other lines such a
+    /// frame says nothing: the end that was clicked is right, whatever the length, and the circle
+    /// at the edge of the picture is drawn beside its paint.
+    clicked: Option<Vec<bool>>,
+}
+
+impl KnownFrame {
+    /// None without a camera.
+    fn new(frame: &Frame, base: &CameraBase, field: &FieldModel) -> Option<Self> {
+        let places: Vec<Vec3> = frame
+            .clicks
+            .iter()
+            .filter_map(|click| match &click.target {
+                Some(Target::Landmark(id)) => field.landmark(id.as_str()),
+                _ => None,
+            })
+            .map(|landmark| landmark.nominal_m)
+            .collect();
+        let is_clicked = |line: &FieldLine| {
+            let on_line = |at: &Vec3| line.curve.distance_m(*at) < ON_LINE_M;
+            let mut targets = frame.clicks.iter().map(|click| &click.target);
+            let names = |target: &Option<Target>| *target == Some(Target::Line(line.id.clone()));
+            targets.any(names) || places.iter().any(on_line)
+        };
+        let clicked = || field.lines.iter().map(is_clicked).collect();
+        Some(Self {
+            camera: PtzCamera::new(frame.base_from(base), frame.ptz.as_ref()?.ptz()),
+            image: frame.image_size,
+            clicked: frame.is_solved_by_clicks().then(clicked),
+        })
+    }
 }
 
 /// A base at another place.

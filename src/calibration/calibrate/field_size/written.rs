@@ -1,5 +1,6 @@
 //! Writes an estimated base into a document, with the crown and the fitted size of its field.
 
+use super::rounded_m;
 use touchline_core::camera::CameraBase;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document, FieldSize, FieldSpec};
@@ -50,11 +51,10 @@ fn own_field_mut<'a>(document: &'a mut Document, camera: &CameraId) -> Option<&'
 }
 
 /// Writes a fitted size into a field.
-pub(super) fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
+fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
     // What the frames do not show stays as it was assumed.
     for size in sizes.iter().filter(|size| !size.is_open) {
-        // Clicks do not determine it better than to a centimetre.
-        let value_m = (size.value_m * 100.0).round() / 100.0;
+        let value_m = rounded_m(size.value_m);
         field.params.insert(size.name.clone(), value_m);
     }
     if !sizes.is_empty() && sizes.iter().all(|size| !size.is_open) {

@@ -8,14 +8,14 @@
 //! from tracked points alone: a camera that was aligned to the paint in question, with the assumed
 //! length, has turned by most of the length's error, and confirms what was assumed.
 
-use super::unseen_size::{UnseenSize, is_size_stated, move_base};
-use crate::calibrate::base::field_size::set_field_size;
+use super::unseen::{UnseenSize, move_base};
+use super::written::set_field_size;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::FieldError;
 use touchline_core::geometry::{Vec3, mean, median};
 use touchline_core::solve::base::FittedSize;
-use touchline_documents::document::{CameraId, Document, DocumentAt};
+use touchline_documents::document::{CameraId, Document, DocumentAt, Frame};
 use touchline_vision::paint::{GroundPicture, check_lines};
 
 /// The code of a warning that lines may be off because the size of their field was not measured.
@@ -131,7 +131,8 @@ pub(in crate::calibrate) fn measure_length(
     })
 }
 
-/// The measured length as the document's cameras take it: each moves with what it has seen itself.
+/// The measured length as the document's cameras take it: each moves with what its known frames
+/// have seen.
 /// None if the assumed length agrees with it.
 pub(in crate::calibrate) fn other_length(
     at: DocumentAt<'_>,
@@ -139,6 +140,7 @@ pub(in crate::calibrate) fn other_length(
     unseen: &UnseenSize,
     size: FittedSize,
     frames: usize,
+    is_known: &dyn Fn(usize, &Frame) -> bool,
 ) -> Result<Option<LengthOnLines>, FieldError> {
     if (size.value_m - size.assumed_m).abs() <= OTHER_SIGMAS * size.sigma_m {
         return Ok(None);
@@ -150,7 +152,7 @@ pub(in crate::calibrate) fn other_length(
         let is_same_length = other_spec.template == spec.template
             && other_spec.params.get(&size.name) == spec.params.get(&size.name);
         if is_same_length {
-            let seen = UnseenSize::from_known_frames(at, other, &|_| false)?;
+            let seen = UnseenSize::from_known_frames(at, other, is_known)?;
             let seen = seen.into_iter().find(|seen| seen.param().name == size.name);
             shifts.extend(seen.map(|seen| (other.id.clone(), seen.base_shift(size.value_m))));
         }
@@ -159,7 +161,7 @@ pub(in crate::calibrate) fn other_length(
         size,
         shifts,
         frames,
-        is_prescribed: is_size_stated(spec.size()),
+        is_prescribed: spec.is_size_stated(),
     }))
 }
 
