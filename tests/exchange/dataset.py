@@ -86,12 +86,18 @@ def overlays(touchline, folder, data, work):
     return largest
 
 
+def plain_environment(**entries):
+    """The environment of a reader, to whom no path leads that the page does not name."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return {**environment, **entries}
+
+
 def example(python, folder):
     """The guide's example, run as it stands."""
     (code,) = blocks("assets/guide/library.md", "data.overlay(0)")
     assert len([line for line in code.splitlines() if line.strip()]) <= 15
     work = os.path.dirname(folder)
-    run(python, "-c", code, cwd=work, env={**os.environ, "PYTHONPATH": folder})
+    run(python, "-c", code, cwd=work, env=plain_environment())
     return cv2.imread(os.path.join(work, "overlay.png"))
 
 
@@ -158,7 +164,7 @@ def recipes(touchline, python, folder):
         page = file.read()
     work = os.path.dirname(folder)
     for kind, code in re.findall(r"```(sh|python)\n(.*?)```", page, re.S):
-        environment = {**os.environ, "PYTHONPATH": folder, "PATH": os.path.dirname(touchline) + os.pathsep + os.environ["PATH"]}
+        environment = plain_environment(PATH=os.path.dirname(touchline) + os.pathsep + os.environ["PATH"])
         command = ["sh", "-ec", code] if kind == "sh" else [python, "-c", code]
         run(*command, cwd=work, env=environment)
 

@@ -48,8 +48,7 @@ pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
 /// the name of their file: one for all of them, or one a camera where the numbers of cameras
 /// coincide. Says how many there are.
 pub fn name_tracks(frames: &mut [FrameCamera], path: &Path) -> usize {
-    let is_of_track =
-        |frame: &FrameCamera| frame.image.is_none() && frame.video.is_none();
+    let is_of_track = |frame: &FrameCamera| frame.image.is_none() && frame.video.is_none();
     let mut first_cameras: BTreeMap<u64, Option<&str>> = BTreeMap::new();
     let of_tracks = frames.iter().filter(|frame| is_of_track(frame));
     let numbered: Vec<_> = of_tracks
@@ -129,17 +128,28 @@ mod tests {
             .map(|(camera, number)| FrameCamera {
                 camera: Some((*camera).to_owned()),
                 frame_index: Some(*number),
-                ..FrameCamera::new(&format!("{camera}#{number}"), None, FrameProjection::Nothing)
+                ..FrameCamera::new(
+                    &format!("{camera}#{number}"),
+                    None,
+                    FrameProjection::Nothing,
+                )
             })
             .collect();
-        assert_eq!(name_tracks(&mut frames, Path::new("/a/match.v2.csv")), stated.len());
+        assert_eq!(
+            name_tracks(&mut frames, Path::new("/a/match.v2.csv")),
+            stated.len()
+        );
         frames.into_iter().filter_map(|frame| frame.video).collect()
     }
 
     #[test]
     fn rows_without_a_picture_are_frames_of_one_video() {
         assert_eq!(tracks(&[("main", 0), ("main", 1)]), ["match_v2"; 2]);
-        assert_eq!(tracks(&[("main", 0), ("goal", 1)]), ["match_v2"; 2], "in turn");
+        assert_eq!(
+            tracks(&[("main", 0), ("goal", 1)]),
+            ["match_v2"; 2],
+            "in turn"
+        );
         let at_once = tracks(&[("main", 0), ("goal.left", 0)]);
         assert_eq!(at_once, ["match_v2 main", "match_v2 goal_left"]);
         let mut pictures = [FrameCamera {
