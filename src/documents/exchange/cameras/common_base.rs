@@ -254,9 +254,14 @@ impl Spread {
         let [x, y, z] = <[f64; 3]>::from(self.middle_m);
         let about = format!("about ({x:.1}, {y:.1}, {z:.1}) m");
         let most_drift_m = MOST_DRIFT * away_m + self.drift_of_noise_m;
-        let is_noise =
-            |axis: usize| self.sigma_m[axis] <= SPREAD_OVER_NOISE * self.noise_m[axis];
-        let most_spread = |axis: usize| if is_noise(axis) { MOST_NOISE } else { MOST_SPREAD };
+        let is_noise = |axis: usize| self.sigma_m[axis] <= SPREAD_OVER_NOISE * self.noise_m[axis];
+        let most_spread = |axis: usize| {
+            if is_noise(axis) {
+                MOST_NOISE
+            } else {
+                MOST_SPREAD
+            }
+        };
         let is_spread = (0..3).any(|axis| self.sigma_m[axis] > most_spread(axis) * away_m);
         if !self.returns && self.drift_m > most_drift_m {
             Some(format!(
@@ -277,7 +282,9 @@ impl Spread {
 /// What each place errs by itself along each axis, 1 σ, m: a camera that moves steadily has no second
 /// differences in time. None of fewer than three places.
 fn noise_of(places: &[Vec3]) -> Option<Vec3> {
-    let seconds = places.windows(3).map(|three| three[0] - 2.0 * three[1] + three[2]);
+    let seconds = places
+        .windows(3)
+        .map(|three| three[0] - 2.0 * three[1] + three[2]);
     let seconds: Vec<Vec3> = seconds.map(|second| second.abs()).collect();
     // The squares of 1, 2 and 1 sum up to 6.
     Some(SIGMA_OVER_MAD / 6.0_f64.sqrt() * median_place(&seconds)?)

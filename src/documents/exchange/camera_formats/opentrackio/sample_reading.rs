@@ -105,6 +105,14 @@ pub(super) fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
         .filter(|path| find_path(root, path).is_some_and(|node| !is_neutral(node.value())))
         .map(|path| path.join("."))
         .collect();
+    // How much wider a renderer has to draw before it bends its picture.
+    let laws = find_path(root, &["lens", "distortion"]).and_then(|list| list.items().ok());
+    let overscans = laws
+        .into_iter()
+        .flatten()
+        .filter_map(|law| law.find("overscan"));
+    let changed = overscans.filter(|overscan| !is_neutral(overscan.value()));
+    unread.extend(changed.map(|overscan| overscan.path().to_string()));
     let version =
         find_path(root, &["protocol", "version"]).and_then(|version| version.numbers::<3>().ok());
     if let Some([major, minor, patch]) = version.filter(|version| *version != VERSION) {
@@ -132,7 +140,7 @@ fn is_neutral(value: &Value) -> bool {
     }
 }
 
-/// The distortions that a lens states, those of our direction first.
+/// The distortions that a lens states.
 fn distortions(lens: &Node<'_>) -> Result<Vec<BrownConrady>, Problem> {
     let centre_mm = match lens.find("distortionOffset") {
         Some(offset) => Vec2::from(offset.numbers_at(["x", "y"])?),
@@ -170,7 +178,6 @@ fn distortions(lens: &Node<'_>) -> Result<Vec<BrownConrady>, Problem> {
         });
     }
     laws.retain(BrownConrady::bends);
-    laws.sort_by_key(|law| law.is_inverse);
     Ok(laws)
 }
 
@@ -179,12 +186,13 @@ fn distortions(lens: &Node<'_>) -> Result<Vec<BrownConrady>, Problem> {
 /// # Errors
 /// It is too far off; how far is said.
 fn radial(lens: &Node<'_>, screen: &Screen) -> Result<(Radial, f64), Problem> {
-    // A list may have a law for each direction; the one of our direction needs no inverse.
-    let laws = distortions(lens)?;
-    let Some(law) = laws.first() else {
+    // A list may have a law for each direction: the nearer one to ours is taken, which is exact where
+    // it is of our direction.
+    let fits = distortions(lens)?.into_iter().map(|law| law.fit(screen));
+    let nearest = fits.min_by(|a, b| a.off_px.total_cmp(&b.off_px));
+    let Some(FittedLens { radial, off_px }) = nearest else {
         return Ok((Radial::default(), 0.0));
     };
-    let FittedLens { radial, off_px } = law.fit(screen);
     if off_px <= MOST_OFF_PX {
         return Ok((radial, off_px));
     }

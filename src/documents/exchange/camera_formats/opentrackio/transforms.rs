@@ -43,7 +43,7 @@ impl BodyPose {
         }
         let mut axes = Mat3::identity();
         let mut place_m = Vec3::zeros();
-        for (index, transform) in transforms.items()?.into_iter().enumerate() {
+        for (index, transform) in transforms.items()?.enumerate() {
             let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
             place_m += axes * Vec3::from(t.numbers_at(["x", "y", "z"])?);
             axes *= world_from_body(r.angles_at(["pan", "tilt", "roll"])?);

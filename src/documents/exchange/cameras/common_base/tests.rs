@@ -210,13 +210,22 @@ fn frames_that_err_each_by_itself_do_not_move() {
     for (frames, size_m) in [(400, 12.0), (12, 4.0), (30, 6.0)] {
         let views: Vec<View> = (0..frames).map(|number| one(number, size_m)).collect();
         let (document, notes) = imported(&views);
-        assert_eq!(document.cameras.len(), 1, "{frames} of ±{size_m} m: {notes:?}");
+        assert_eq!(
+            document.cameras.len(),
+            1,
+            "{frames} of ±{size_m} m: {notes:?}"
+        );
         assert!(farthest_px(&document, &views) < 1e-9);
     }
     // The same spread in a slow walk is a camera that moves.
     let walk = |number: usize| {
         let offset_m = Vec3::new(0.0, 9.0 * (number as f64 / 60.0).sin(), 0.0);
-        view(&format!("{number:04}.jpg"), number, offset_m + white_noise(number, 0.1), 0.0)
+        view(
+            &format!("{number:04}.jpg"),
+            number,
+            offset_m + white_noise(number, 0.1),
+            0.0,
+        )
     };
     let (document, notes) = imported(&(0..400).map(walk).collect::<Vec<_>>());
     assert!(document.cameras.len() > 1, "{notes:?}");
