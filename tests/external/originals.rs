@@ -1,5 +1,6 @@
 //! Files of other programs as their makers publish them.
 
+use crate::mutated_originals::without_scales;
 use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
 use serde_json::{Value, json};
@@ -224,12 +225,9 @@ fn examples_of_opentrackio_are_read_once_their_distortion_is_out() {
         ),
         ("opentrackio-complete_static.json", ""),
     ] {
-        let bytes = std::fs::read(original(name)).unwrap();
-        let mut sample: Value = serde_json::from_slice(&bytes).unwrap();
-        for transform in sample["transforms"].as_array_mut().unwrap() {
-            transform.as_object_mut().unwrap().remove("scale");
-        }
-        std::fs::write(folder.path().join("unscaled.json"), sample.to_string()).unwrap();
+        let unscaled = folder.path().join("unscaled.json");
+        std::fs::copy(original(name), &unscaled).unwrap();
+        without_scales(&unscaled);
         let arguments = format!("unscaled.json --undistorted {options}");
         let (document, said) = import(folder.path(), &arguments, 0);
         assert!(document.frames[0].ptz.is_some(), "{name}: {said}");
@@ -290,8 +288,8 @@ fn control_points_of_a_survey_give_a_camera_by_a_template_of_them() {
 fn files_that_are_not_read_say_what_to_do_instead() {
     let folder = tempfile::tempdir().unwrap();
     for (name, wanted) in [
-        ("ptz-survey-gcp.json", "make a template"),
-        ("ptz-survey-map-points.json", "make a template"),
+        ("ptz-survey-gcp.json", "into a template"),
+        ("ptz-survey-map-points.json", "into a template"),
         ("lens-venice-frames.csv", "give --video VIDEO or --size"),
         ("lens-canon-frames.csv", "give --video VIDEO or --size"),
         (
