@@ -234,8 +234,8 @@ fn examples_of_opentrackio_are_read_once_their_distortion_is_out() {
     }
 }
 
-/// The points of a survey on its map, as a template, and their pixels as a table; metres by a
-/// scale of the map that fits the height of the camera roughly.
+/// The points of a survey on its map become landmarks of a template, their pixels a table. The map
+/// does not state its scale.
 fn control_points_of_a_survey_give_a_camera_by_a_template_of_them() {
     let folder = tempfile::tempdir().unwrap();
     let read = |name: &str| -> Value {
@@ -251,16 +251,16 @@ fn control_points_of_a_survey_give_a_camera_by_a_template_of_them() {
         ["pixel_x", "pixel_y"].map(|key| point[key].as_f64().unwrap())
     };
     let marked = survey["capture"]["annotations"].as_array().unwrap();
-    let metre = 0.15;
+    let metre_a_pixel = 0.15;
     let middle = on_map(&marked[0]["gcp_id"]);
-    let (mut landmarks, mut table) = (Vec::new(), "frame,label,x,y\n".to_owned());
+    let (mut landmarks, mut rows) = (Vec::new(), vec!["frame,label,x,y".to_owned()]);
     for mark in marked {
         let id = mark["gcp_id"].as_str().unwrap().to_lowercase();
         let [x, y] = on_map(&mark["gcp_id"]);
         landmarks.push(json!({ "id": id, "label": id, "code": id, "unmarked": true,
-            "at": [metre * (x - middle[0]), metre * (middle[1] - y)] }));
+            "at": [metre_a_pixel * (x - middle[0]), metre_a_pixel * (middle[1] - y)] }));
         let [u, v] = ["x", "y"].map(|key| mark["pixel"][key].as_f64().unwrap());
-        table.push_str(&format!("1.jpg,{id},{u},{v}\n"));
+        rows.push(format!("1.jpg,{id},{u},{v}"));
     }
     let side = json!({ "label": "Side", "unit": "m", "default": 300, "min": 300, "max": 300,
         "source": "the map" });
@@ -271,7 +271,7 @@ fn control_points_of_a_survey_give_a_camera_by_a_template_of_them() {
         "extent_m": ["length_m", "width_m"], "symmetry": [], "landmarks": landmarks,
         "lines": [line] });
     std::fs::write(folder.path().join("my.json"), template.to_string()).unwrap();
-    std::fs::write(folder.path().join("points.csv"), table).unwrap();
+    std::fs::write(folder.path().join("points.csv"), rows.join("\n")).unwrap();
     let arguments = "points.csv --field my.json --size 1920x1080 --each-own-camera";
     let (document, said) = import(folder.path(), arguments, 0);
     let frame = &document.frames[0];

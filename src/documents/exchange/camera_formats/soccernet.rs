@@ -260,7 +260,7 @@ fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
         let frame = sample.and_then(|sample| {
             let sample = Node::root(&sample);
             if let Some(image) = image_of_sample(&sample) {
-                name = stem(&image.image_name()?).to_owned();
+                stem(&image.image_name()?).clone_into(&mut name);
             }
             Ok(frame_from_pinhole(&name, from_json(&sample)?))
         });

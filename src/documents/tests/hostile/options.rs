@@ -48,7 +48,6 @@ fn set(option: FormatOption, options: &mut ExportOptions) {
         FormatOption::Size => options.size = Some(ImageSize::new(960, 540)),
         FormatOption::Variant => options.game_state = true,
         FormatOption::Undistorted => options.undistorted = true,
-        FormatOption::Masks => options.masks = true,
         FormatOption::Names => options.names = KeypointNames::Roboflow32,
         FormatOption::Projected => options.points = PointSource::Projected,
         FormatOption::Outside => options.keep_outside = true,
@@ -134,6 +133,7 @@ fn set_reading(option: FormatOption, options: &mut ImportOptions) {
         FormatOption::Zoom => options.zoom = Some(Zoom::Table(vec![(0.0, 1e3), (1e4, 9e4)])),
         FormatOption::SensorMm => options.sensor_width_mm = Some(7.0),
         FormatOption::Undistorted => options.undistorted = true,
+        FormatOption::Masks => options.masks = true,
         FormatOption::Template => options.homographies.plan = Some(GroundPlan::CornerMetres),
         FormatOption::Direction => {
             options.homographies.direction = Some(MatrixDirection::ImageFromPitch);
