@@ -551,8 +551,8 @@ mod tests {
         let mut pairs = 0;
         for option in FormatOption::all() {
             let [out, back] = [Direction::Export, Direction::Import].map(|way| option.takers(way));
-            // What the command line reads must be known as given, or it is ignored. An option that no
-            // format takes is unknown there, or `--images`, which is for datasets.
+            // What the command line reads must be known as given, or it is ignored. What no format
+            // takes is unknown there, but for `--images`, which is for datasets.
             if !out.is_empty() {
                 let mut arguments: ExportArgs = given(option);
                 assert_eq!(arguments.list_options(), [option]);

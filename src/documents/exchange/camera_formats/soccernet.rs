@@ -242,8 +242,9 @@ fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
     read_frame_files(&files.sorted_entries(), frame_name, read_file)
 }
 
-/// The frames of a file with a sample for each, in a list or one a line as `TVCalib` writes them; none
-/// where the file is one frame, which has its name. A damaged sample is a frame without a camera.
+/// The frames of a file with a sample for each, in a list or one a line as `TVCalib` writes them;
+/// none where the file is one frame, which has its name. A damaged sample is a frame without a
+/// camera.
 ///
 /// # Errors
 /// All of them are damaged; the problem is that of the first.

@@ -9,7 +9,7 @@
 //!    changes little from one to the next: stills of twenty matches are numbered, too.
 //! 2. A gap between places, wider than the step from frame to frame explains, parts two cameras.
 //! 3. Places that drift without coming back, or spread widely for their distance from the field,
-//!    are those of a camera that moves. It has no base. What each frame errs by itself, as its second
+//!    are those of a camera that moves. It has no base. What each frame errs by itself, as second
 //!    differences in time show, is neither.
 
 use super::frame_camera::{CommonBase, FrameCamera, Pinhole};
@@ -279,8 +279,8 @@ impl Spread {
     }
 }
 
-/// What each place errs by itself along each axis, 1 σ, m: a camera that moves steadily has no second
-/// differences in time. None of fewer than three places.
+/// What each place errs by itself along each axis, 1 σ, m: a camera that moves steadily has no
+/// second differences in time. None of fewer than three places.
 fn noise_of(places: &[Vec3]) -> Option<Vec3> {
     let seconds = places
         .windows(3)

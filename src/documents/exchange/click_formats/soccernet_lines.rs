@@ -432,7 +432,10 @@ mod tests {
 
     #[test]
     fn boxes_of_people_are_masks_where_they_are_asked_for() {
-        let with_box = |x: f64, w: f64| json!({ "image_id": "1", "bbox_image": { "x": x, "y": 5.0, "w": w, "h": 80.0 } });
+        let with_box = |x: f64, w: f64| {
+            let found = json!({ "x": x, "y": 5.0, "w": w, "h": 80.0 });
+            json!({ "image_id": "1", "bbox_image": found })
+        };
         let text = json!({
             "images": [{ "image_id": "1", "file_name": "1.jpg", "width": 1920, "height": 1080 }],
             "annotations": [with_box(100.0, 40.0), with_box(-10.0, 30.0), with_box(-50.0, 30.0)],

@@ -186,8 +186,8 @@ fn distortions(lens: &Node<'_>) -> Result<Vec<BrownConrady>, Problem> {
 /// # Errors
 /// It is too far off; how far is said.
 fn radial(lens: &Node<'_>, screen: &Screen) -> Result<(Radial, f64), Problem> {
-    // A list may have a law for each direction: the nearer one to ours is taken, which is exact where
-    // it is of our direction.
+    // A list may have a law for each direction: the nearer one to ours is taken, which is exact
+    // where it is of our direction.
     let fits = distortions(lens)?.into_iter().map(|law| law.fit(screen));
     let nearest = fits.min_by(|a, b| a.off_px.total_cmp(&b.off_px));
     let Some(FittedLens { radial, off_px }) = nearest else {

@@ -1,6 +1,6 @@
 //! Where the transforms of a sample put its camera: a dolly, a crane, its arm, its head.
 //!
-//! Each transform is translation · rotation · scale in the axes of the one before. The scale of one
+//! Each transform is translation, rotation, scale in the axes of the one before. The scale of one
 //! moves what stands on it. That of the last one is the size of the camera's model and changes
 //! nothing that the camera sees. A scale that is the same along all axes leaves rotations what they
 //! are; another one shears what is turned on it, and then no camera of square pixels shows the same
@@ -55,7 +55,7 @@ impl BodyPose {
         let world_from_body = nearest_rotation(&axes);
         let off_px = sheared_by_px(&axes, &world_from_body, screen);
         if off_px > most_off_px {
-            return Err(refused_shear(off_px));
+            return Err(shear_problem(off_px));
         }
         Ok(Self {
             world_from_body,
@@ -121,7 +121,7 @@ fn sheared_by_px(axes: &Mat3, rotation: &Mat3, screen: &Screen) -> f64 {
 }
 
 /// The error that the scales of transforms leave no rotation.
-fn refused_shear(off_px: f64) -> Problem {
+fn shear_problem(off_px: f64) -> Problem {
     let by = if off_px.is_finite() {
         format!("by {off_px:.1} px")
     } else {
