@@ -12,7 +12,7 @@ use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeError, Problem};
-use crate::exchange::files::{Files, stem};
+use crate::exchange::files::{Files, stem, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
@@ -249,11 +249,13 @@ fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
 /// # Errors
 /// All of them are damaged; the problem is that of the first.
 fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
-    if let Ok(value) = parse(bytes)
-        && !value.is_array()
-        && image_of_sample(&Node::root(&value)).is_none()
-    {
-        return Ok(None);
+    match parse(bytes) {
+        Ok(value) if !value.is_array() && image_of_sample(&Node::root(&value)).is_none() => {
+            return Ok(None);
+        }
+        // What does not begin with a sample a line is damaged as a whole.
+        Err(problem) if !begins_with_sample(bytes) => return Err(problem),
+        _ => {}
     }
     let mut frames = FrameCollector::default();
     let read = each_sample(bytes, |line, sample| {
@@ -281,6 +283,13 @@ fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
         Err(problem) if frames.len() == 0 => Err(problem),
         _ => frames.finish().map(Some),
     }
+}
+
+/// Whether the first line is a sample by itself.
+fn begins_with_sample(bytes: &[u8]) -> bool {
+    let lines = text(bytes).unwrap_or_default().lines();
+    let first = lines.map(str::trim).find(|line| !line.is_empty());
+    first.is_some_and(|line| matches!(parse(line.as_bytes()), Ok(Value::Object(_))))
 }
 
 /// What names the image of a sample.

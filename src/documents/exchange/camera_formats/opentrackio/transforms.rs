@@ -53,7 +53,7 @@ impl BodyPose {
             }
         }
         let world_from_body = nearest_rotation(&axes);
-        let off_px = sheared_by_px(&axes, &world_from_body, screen);
+        let off_px = shear_px(&axes, &world_from_body, screen);
         if off_px > most_off_px {
             return Err(shear_problem(off_px));
         }
@@ -84,7 +84,7 @@ fn scale_of(transform: &Node<'_>) -> Result<Vec3, Problem> {
 /// How far a camera of these axes, which need not be at right angles, shows points of the picture's
 /// edge at most from where one that is only rotated does, px. Their common length does not count,
 /// and what a multiplication loses in the last digits is nothing.
-fn sheared_by_px(axes: &Mat3, rotation: &Mat3, screen: &Screen) -> f64 {
+fn shear_px(axes: &Mat3, rotation: &Mat3, screen: &Screen) -> f64 {
     let length = axes.determinant().abs().cbrt();
     let off = rotation.transpose() * axes / length;
     if (off - Mat3::identity()).amax() < 1e-12 {
