@@ -455,8 +455,8 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
 mod tests {
     use super::{ExportArgs, parse_heading, parse_width, zoom_of};
     use crate::cli::import::ImportArgs;
-    use clap::{Args, Command};
-    use touchline_documents::exchange::FormatOption;
+    use clap::{Args, Command, FromArgMatches};
+    use touchline_documents::exchange::{Direction, Format, FormatOption};
 
     #[test]
     fn every_option_is_for_all_formats_or_declared_by_some() {
@@ -505,6 +505,80 @@ mod tests {
                 assert!(is_known, "{} {id}", command.get_name());
             }
         }
+    }
+
+    /// Something that an option accepts; none for a switch.
+    fn value_of(option: &str) -> Option<&'static str> {
+        Some(match option {
+            "undistorted" | "projected" | "takes" | "automated" | "skip-unmapped"
+            | "each-own-camera" | "masks" => return None,
+            "variant" => "gamestate",
+            "names" => "roboflow-32",
+            "outside" => "keep",
+            "interpolate" => "3",
+            "start" => "10:00:00:00",
+            "fps" => "25",
+            "sensor-mm" => "10",
+            "start-time" => "2026-01-01T00:00:00Z",
+            "perspective" => "camera_1",
+            "stage-origin" => "1,2,3",
+            "stage-heading" => "30",
+            "rotations" => "first",
+            "zoom" => "focal-px",
+            "pixels" => "centre",
+            "map" => "touchline",
+            "field" => "soccer",
+            "set" => "length_m=105",
+            "template" => "centre-m",
+            "direction" => "pitch_from_image",
+            "columns" => "h=matrix",
+            "size" | "stretched-from" => "640x360",
+            _ => "name",
+        })
+    }
+
+    /// The arguments of a command with one option.
+    fn given<A: Args + FromArgMatches>(option: FormatOption) -> A {
+        let command = A::augment_args(Command::new("command"));
+        let name = format!("--{}", option.name());
+        let words = ["command", "here", "--format", "json", "--force", &name];
+        let found = command.try_get_matches_from(words.into_iter().chain(value_of(option.name())));
+        A::from_arg_matches(&found.unwrap_or_else(|error| panic!("{name}: {error}"))).unwrap()
+    }
+
+    #[test]
+    fn each_format_takes_or_refuses_each_option() {
+        let mut pairs = 0;
+        for option in FormatOption::all() {
+            let [out, back] = [Direction::Export, Direction::Import].map(|way| option.takers(way));
+            // What the command line reads must be known as given, or it is ignored. What no format
+            // takes is unknown there, but for `--images`, which is for datasets.
+            if !out.is_empty() {
+                let mut arguments: ExportArgs = given(option);
+                assert_eq!(arguments.list_options(), [option]);
+                for format in Format::all().filter(|format| format.exports()) {
+                    arguments.format = Some(format);
+                    let is_taken = arguments.refuse_options().is_ok();
+                    assert_eq!(is_taken, out.contains(&format), "{format} {option:?}");
+                    pairs += 1;
+                }
+            }
+            if !back.is_empty() {
+                let arguments: ImportArgs = given(option);
+                assert_eq!(arguments.list_options(), [option]);
+                for format in Format::all().filter(|format| format.imports()) {
+                    let refused =
+                        format.refuse_options(arguments.list_options(), Direction::Import);
+                    assert_eq!(
+                        refused.is_ok(),
+                        back.contains(&format),
+                        "{format} {option:?}"
+                    );
+                    pairs += 1;
+                }
+            }
+        }
+        assert!(pairs > 700, "{pairs}");
     }
 
     #[test]

@@ -24,6 +24,10 @@ use touchline_documents::exchange::{
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub struct ImportArgs {
     /// The file or folder.
     #[arg(required_unless_present = "points")]
@@ -95,6 +99,9 @@ pub struct ImportArgs {
     /// The distortion that the files state has been taken out of the pictures.
     #[arg(long)]
     undistorted: bool,
+    /// Boxes of people that the files state become masks, in which nothing is looked for.
+    #[arg(long)]
+    masks: bool,
     /// The plane of homographies that do not say it: metres from the field's centre or from its far
     /// left corner, or the template of a set.
     #[arg(long, value_parser = template_parser())]
@@ -210,7 +217,7 @@ impl ImportArgs {
     }
 
     /// The options that were given and that only some formats take.
-    fn list_options(&self) -> Vec<FormatOption> {
+    pub(super) fn list_options(&self) -> Vec<FormatOption> {
         given_options(&[
             (FormatOption::Field, self.field.is_some()),
             (FormatOption::Set, !self.set.is_empty()),
@@ -228,6 +235,7 @@ impl ImportArgs {
             (FormatOption::Template, self.template.is_some()),
             (FormatOption::Direction, self.direction.is_some()),
             (FormatOption::Columns, !self.columns.is_empty()),
+            (FormatOption::Masks, self.masks),
         ])
     }
 }
@@ -313,6 +321,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         annotator: args.annotator.clone(),
         sensor_width_mm: args.sensor_mm,
         undistorted: args.undistorted,
+        masks: args.masks,
         zoom: args.zoom.as_deref().map(zoom_of).transpose()?,
         homographies: HomographyOptions {
             plan: args.template,

@@ -1,4 +1,4 @@
-"""An exported dataset as its users see it: the guide's example, the loader, the recipes.
+"""An exported dataset as its users see it: the guide's example, the loader, the recipes; and README's commands.
 
 usage: dataset.py TOUCHLINE PYTHON
 
@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,7 +26,7 @@ ALLOWED_PX = 0.1
 
 def run(*command, code=0, **options):
     ran = subprocess.run(command, capture_output=True, text=True, check=False, **options)
-    assert ran.returncode == code, ran.stdout + ran.stderr
+    assert code is None or ran.returncode == code, f"{command}: {ran.returncode}\n{ran.stdout[-2000:]}{ran.stderr}"
     return ran
 
 
@@ -86,12 +87,18 @@ def overlays(touchline, folder, data, work):
     return largest
 
 
+def plain_environment(**entries):
+    """The environment of a reader, to whom no path leads that the page does not name."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return {**environment, **entries}
+
+
 def example(python, folder):
     """The guide's example, run as it stands."""
     (code,) = blocks("assets/guide/library.md", "data.overlay(0)")
     assert len([line for line in code.splitlines() if line.strip()]) <= 15
     work = os.path.dirname(folder)
-    run(python, "-c", code, cwd=work, env={**os.environ, "PYTHONPATH": folder})
+    run(python, "-c", code, cwd=work, env=plain_environment())
     return cv2.imread(os.path.join(work, "overlay.png"))
 
 
@@ -158,9 +165,29 @@ def recipes(touchline, python, folder):
         page = file.read()
     work = os.path.dirname(folder)
     for kind, code in re.findall(r"```(sh|python)\n(.*?)```", page, re.S):
-        environment = {**os.environ, "PYTHONPATH": folder, "PATH": os.path.dirname(touchline) + os.pathsep + os.environ["PATH"]}
+        environment = plain_environment(PATH=os.path.dirname(touchline) + os.pathsep + os.environ["PATH"])
         command = ["sh", "-ec", code] if kind == "sh" else [python, "-c", code]
         run(*command, cwd=work, env=environment)
+
+
+# What a command of README's table names that is not here: a video, a season, minutes of work.
+NOT_HERE = ("match.mp4", "FRAMES_OR_VIDEO_OR_DIR", " plan", " shard", " collect", " synth")
+
+
+def readme(touchline, demo, work):
+    """README's table of commands on the demo match, each as it stands, in the order of the table."""
+    with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as file:
+        commands = re.findall(r"`(touchline [^`]+)`", file.read().split("## Commands")[1].split("\n## ")[0])
+    shutil.copytree(demo, os.path.join(work, "DIR"))
+    run(touchline, "export", demo, "--format", "soccernet", "-o", os.path.join(work, "cameras"), code=None)
+    run(touchline, "export", demo, "--format", "json", "-o", os.path.join(work, "truth.json"))
+    environment = plain_environment(PATH=os.path.dirname(touchline) + os.pathsep + os.environ["PATH"])
+    here = [command for command in commands if not any(word in command for word in NOT_HERE) and len(command.split()) > 1]
+    for command in here:
+        # Of frames that are seconds apart none is reached from another one, which is said.
+        code = 1 if command.startswith("touchline track ") else 0
+        run("sh", "-ec", command, cwd=work, env=environment, code=code)
+    return len(here)
 
 
 def main():
@@ -189,6 +216,9 @@ def main():
         numpy_alone(python, folder)
         plain = touchline_dataset.load(os.path.join(folder, "undistorted"))
         assert len(plain) == len(data) and not plain.k1.any() and os.path.exists(plain.picture(0))
+        commands = os.path.join(work, "readme")
+        os.mkdir(commands)
+        print("%-12s %-42s" % ("readme", "%d commands of the table, as they stand" % readme(touchline, demo, commands)))
         rotations = write_shot(plain, work)
         recipes(touchline, python, folder)
         off = worst_turn(os.path.join(work, "SHOT_tracked.npz"), rotations)

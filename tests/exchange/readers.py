@@ -233,14 +233,26 @@ def body_rotation(pan_left, tilt, roll):
     return (world_from_body @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])).T
 
 
+def opentrackio_schemas():
+    """What a sample must hold here, and the standard's own schema where it lies beside the real frames."""
+    data = os.environ.get("TOUCHLINE_DATA", os.path.join(ROOT, "..", "shared", "data"))
+    path = os.path.join(data, "originals", "opentrackio-schema.json")
+    if not os.path.exists(path):
+        return [SAMPLE]
+    with open(path, encoding="utf-8") as file:
+        return [SAMPLE, json.load(file)]
+
+
 def opentrackio(exports, truths, world):
     import jsonschema
 
+    schemas = opentrackio_schemas()
     lines = open(exports.make("opentrackio", "camera.jsonl"), encoding="utf-8").read().splitlines()
     pairs, static = [], None
     for truth, line in zip(truths, lines, strict=True):
         sample = json.loads(line)
-        jsonschema.validate(sample, SAMPLE, jsonschema.Draft202012Validator)
+        for schema in schemas:
+            jsonschema.validate(sample, schema, jsonschema.Draft202012Validator)
         static = sample.get("static", static)
         mm = static["camera"]["activeSensorPhysicalDimensions"]["width"] / static["camera"]["activeSensorResolution"]["width"]
         place, turned = sample["transforms"][0]["translation"], sample["transforms"][0]["rotation"]

@@ -1,8 +1,9 @@
 //! Files of other programs as their makers publish them.
 
+use crate::mutated_originals::without_scales;
 use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use touchline::document::{Document, Frame, FrameStatus, document_from_bytes};
 use touchline::geometry::{ImagePoint, Mat3, Vec3};
@@ -14,6 +15,7 @@ pub const TESTS: &[Test] = tests![
     [Frames] lens_tables_give_frames_their_lens;
     [Frames] points_named_by_their_place_are_landmarks_and_lines;
     [Frames] examples_of_opentrackio_are_read_once_their_distortion_is_out;
+    [Frames] control_points_of_a_survey_give_a_camera_by_a_template_of_them;
     [Frames] files_that_are_not_read_say_what_to_do_instead;
 ];
 
@@ -215,13 +217,79 @@ fn examples_of_opentrackio_are_read_once_their_distortion_is_out() {
             "{name}"
         );
     }
+    // What the message says of the complete ones: jq -c 'del(.transforms[].scale)'.
+    for (name, options) in [
+        (
+            "opentrackio-complete_dynamic.json",
+            "--size 1920x1080 --sensor-mm 36",
+        ),
+        ("opentrackio-complete_static.json", ""),
+    ] {
+        let unscaled = folder.path().join("unscaled.json");
+        std::fs::copy(original(name), &unscaled).unwrap();
+        without_scales(&unscaled);
+        let arguments = format!("unscaled.json --undistorted {options}");
+        let (document, said) = import(folder.path(), &arguments, 0);
+        assert!(document.frames[0].ptz.is_some(), "{name}: {said}");
+    }
+}
+
+/// The points of a survey on its map become landmarks of a template, their pixels a table. The map
+/// does not state its scale.
+fn control_points_of_a_survey_give_a_camera_by_a_template_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |name: &str| -> Value {
+        serde_json::from_slice(&std::fs::read(original(name)).unwrap()).unwrap()
+    };
+    let (survey, map) = (
+        read("ptz-survey-gcp.json"),
+        read("ptz-survey-map-points.json"),
+    );
+    let on_map = |id: &Value| {
+        let mut points = map["points"].as_array().unwrap().iter();
+        let point = points.find(|point| point["id"] == *id).unwrap();
+        ["pixel_x", "pixel_y"].map(|key| point[key].as_f64().unwrap())
+    };
+    let marked = survey["capture"]["annotations"].as_array().unwrap();
+    let metre_a_pixel = 0.15;
+    let middle = on_map(&marked[0]["gcp_id"]);
+    let (mut landmarks, mut rows) = (Vec::new(), vec!["frame,label,x,y".to_owned()]);
+    for mark in marked {
+        let id = mark["gcp_id"].as_str().unwrap().to_lowercase();
+        let [x, y] = on_map(&mark["gcp_id"]);
+        landmarks.push(json!({ "id": id, "label": id, "code": id, "unmarked": true,
+            "at": [metre_a_pixel * (x - middle[0]), metre_a_pixel * (middle[1] - y)] }));
+        let [u, v] = ["x", "y"].map(|key| mark["pixel"][key].as_f64().unwrap());
+        rows.push(format!("1.jpg,{id},{u},{v}"));
+    }
+    let side = json!({ "label": "Side", "unit": "m", "default": 300, "min": 300, "max": 300,
+        "source": "the map" });
+    let line = json!({ "id": "line", "label": "Line", "code": "ln", "from": landmarks[0]["id"],
+        "to": landmarks[1]["id"], "width_m": 0.1, "painted": false });
+    let template = json!({ "format": "touchline-field", "version": 1, "name": "survey",
+        "title": "Survey", "params": { "length_m": side, "width_m": side }, "dimensions": {},
+        "extent_m": ["length_m", "width_m"], "symmetry": [], "landmarks": landmarks,
+        "lines": [line] });
+    std::fs::write(folder.path().join("my.json"), template.to_string()).unwrap();
+    std::fs::write(folder.path().join("points.csv"), rows.join("\n")).unwrap();
+    let arguments = "points.csv --field my.json --size 1920x1080 --each-own-camera";
+    let (document, said) = import(folder.path(), arguments, 0);
+    let frame = &document.frames[0];
+    let rms_px = frame.solution.as_ref().and_then(|solution| solution.rms_px);
+    assert!(
+        rms_px.is_some_and(|rms_px| rms_px < 8.0),
+        "{rms_px:?} {said}"
+    );
+    // The head's own read-out is a tilt of 13.1°.
+    let tilt_deg = document.ptz_camera(frame).unwrap().ptz().tilt.degrees();
+    assert!((tilt_deg + 13.1).abs() < 3.0, "{tilt_deg}");
 }
 
 fn files_that_are_not_read_say_what_to_do_instead() {
     let folder = tempfile::tempdir().unwrap();
     for (name, wanted) in [
-        ("ptz-survey-gcp.json", "make a template"),
-        ("ptz-survey-map-points.json", "make a template"),
+        ("ptz-survey-gcp.json", "into a template"),
+        ("ptz-survey-map-points.json", "into a template"),
         ("lens-venice-frames.csv", "give --video VIDEO or --size"),
         ("lens-canon-frames.csv", "give --video VIDEO or --size"),
         (
@@ -230,7 +298,7 @@ fn files_that_are_not_read_say_what_to_do_instead() {
         ),
         (
             "opentrackio-complete_static.json",
-            "a camera has a scale of 1",
+            "the scale of transforms, which shears the camera",
         ),
         ("badminton-shuttleset-homography.csv", "give --template"),
     ] {

@@ -1,8 +1,8 @@
 //! What exports say that cameras of tracked clips are good for, against clips that are drawn: a frame
 //! graded for speeds must not move what stands, one graded for maps must not misplace it.
 //!
-//! `TOUCHLINE_GRADES=1,2,3` draws clips of these seeds in place of one, for the figures of
-//! `tests/benches/clips.md`.
+//! `TOUCHLINE_GRADES=1,2,11@1280x720` draws clips of these seeds in place of one, where it is stated
+//! of that size, for the figures of `tests/benches/clips.md`.
 #![cfg(feature = "opencv")]
 
 use crate::drawn::draw;
@@ -10,7 +10,7 @@ use crate::program::touchline;
 use std::path::Path;
 use touchline::camera::PtzCamera;
 use touchline::document::{Click, Document, Frame, FrameStatus, Ground, GroundGrade, VideoFrame};
-use touchline::geometry::{ImageSize, Vec2, Vec3};
+use touchline::geometry::{Vec2, Vec3};
 use touchline_core::testing::ground_landmarks;
 use touchline_core::testing::seeded::{self, normal};
 use touchline_documents::testing::{load, save};
@@ -18,15 +18,17 @@ use touchline_documents::testing::{load, save};
 /// Two seconds.
 const FRAMES: usize = 52;
 const STEP_S: f64 = 0.04;
-const SIZE: ImageSize = ImageSize::new(640, 360);
+/// The size of the pictures where none is stated.
+const SIZE: &str = "640x360";
 
 /// A clip tracked from three frames with six rough clicks each, and its truth; with the times that
 /// frames of a video have.
-fn tracked(folder: &Path, seed: &str) -> (Document, Document) {
+fn tracked(folder: &Path, clip: &str) -> (Document, Document) {
+    let (seed, size) = clip.split_once('@').unwrap_or((clip, SIZE));
     draw(
         folder,
         &format!(
-            "--frames {FRAMES} --step {STEP_S} --seed {seed} --size 640x360 --preset paper \
+            "--frames {FRAMES} --step {STEP_S} --seed {seed} --size {size} --preset paper \
              --graphics score-bug"
         ),
     );
@@ -46,7 +48,7 @@ fn tracked(folder: &Path, seed: &str) -> (Document, Document) {
         frame.status = FrameStatus::Reference;
         for (_, landmark, exact) in ground_landmarks(&field, &camera) {
             let image = exact.translate(Vec2::new(normal(&mut rng), normal(&mut rng)) * 0.5);
-            if SIZE.contains(image) && frame.clicks.len() < 6 {
+            if frame.image_size.contains(image) && frame.clicks.len() < 6 {
                 frame
                     .clicks
                     .push(Click::landmark(landmark.id.clone(), image));
@@ -80,11 +82,12 @@ fn measured(truth: &Document, found: &Document, index: usize) -> Option<(f64, f6
         ))
     };
     let (real, guess) = cameras(index)?;
+    let size = truth.frames.get(index)?.image_size;
     let second = (1.0 / STEP_S) as usize;
     let partners = [index.checked_sub(second), Some(index + second)];
     let mut worst = (0.0_f64, 0.0_f64);
     for cell in (3..6).flat_map(|column| (3..6).map(move |row| [column, row])) {
-        let Some(point) = real.plane_from_image(SIZE.cell_centre(cell, [9, 9]), 0.0) else {
+        let Some(point) = real.plane_from_image(size.cell_centre(cell, [9, 9]), 0.0) else {
             continue;
         };
         if point.x.abs() > 52.5 || point.y.abs() > 34.0 {

@@ -69,13 +69,15 @@ pub enum FormatOption {
     Direction,
     /// The columns of a table.
     Columns,
+    /// Boxes of people as masks.
+    Masks,
 }
 
 use FormatOption::{
     Annotator, Automated, Columns, Direction as MatrixDirection, EachOwnCamera, Field, Fps, Images,
-    Interpolate, Map, MatchId, Names, Outside, Perspective, Pixels, Projected, Rotations, SensorMm,
-    Set, Size, SkipUnmapped, StageHeading, StageOrigin, Start, StartTime, StretchedFrom, Takes,
-    Template, Undistorted, Variant, Zoom,
+    Interpolate, Map, Masks, MatchId, Names, Outside, Perspective, Pixels, Projected, Rotations,
+    SensorMm, Set, Size, SkipUnmapped, StageHeading, StageOrigin, Start, StartTime, StretchedFrom,
+    Takes, Template, Undistorted, Variant, Zoom,
 };
 
 /// What every export of cameras takes.
@@ -111,7 +113,7 @@ pub enum Direction {
 }
 
 /// Every option with its name on the command line, in the order of the type.
-const OPTIONS: [(FormatOption, &str); 31] = [
+const OPTIONS: [(FormatOption, &str); 32] = [
     (Size, "size"),
     (Variant, "variant"),
     (Undistorted, "undistorted"),
@@ -143,6 +145,7 @@ const OPTIONS: [(FormatOption, &str); 31] = [
     (Template, "template"),
     (MatrixDirection, "direction"),
     (Columns, "columns"),
+    (Masks, "masks"),
 ];
 
 impl FormatOption {

@@ -162,6 +162,8 @@ pub struct ImportOptions {
     pub sensor_width_mm: Option<f64>,
     /// Whether the distortion that a file states has been taken out of the pictures.
     pub undistorted: bool,
+    /// Whether boxes of people become masks of their frames.
+    pub masks: bool,
     /// What homographies mean that do not say it.
     pub homographies: HomographyOptions,
     /// The model that found the points; none where people placed them.
@@ -192,6 +194,7 @@ impl Default for ImportOptions {
             zoom: None,
             sensor_width_mm: None,
             undistorted: false,
+            masks: false,
             homographies: HomographyOptions::default(),
             model: None,
         }

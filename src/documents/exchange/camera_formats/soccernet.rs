@@ -12,11 +12,12 @@ use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeError, Problem};
-use crate::exchange::files::{Files, stem};
+use crate::exchange::files::{Files, stem, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
 use crate::exchange::options::{ImportOptions, Pixels};
 use crate::exchange::syntax::node::{Node, parse};
+use crate::exchange::syntax::samples::each_sample;
 use crate::exchange::syntax::values::refuse_further_coefficients;
 use serde_json::{Value, json};
 use touchline_core::camera::Radial;
@@ -241,33 +242,59 @@ fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
     read_frame_files(&files.sorted_entries(), frame_name, read_file)
 }
 
-/// The frames of a file with a list of samples; none where the file has no list. A damaged sample
-/// is a frame without a camera.
+/// The frames of a file with a sample for each, in a list or one a line as `TVCalib` writes them;
+/// none where the file is one frame, which has its name. A damaged sample is a frame without a
+/// camera.
 ///
 /// # Errors
 /// All of them are damaged; the problem is that of the first.
 fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
-    let value = parse(bytes)?;
-    let root = Node::root(&value);
-    let Ok(samples) = root.items() else {
-        return Ok(None);
-    };
+    match parse(bytes) {
+        Ok(value) if !value.is_array() && image_of_sample(&Node::root(&value)).is_none() => {
+            return Ok(None);
+        }
+        // What does not begin with a sample a line is damaged as a whole.
+        Err(problem) if !begins_with_sample(bytes) => return Err(problem),
+        _ => {}
+    }
     let mut frames = FrameCollector::default();
-    for (index, sample) in samples.enumerate() {
-        let image = sample.find("image_id").or_else(|| sample.find("image_ids"));
-        let named = image.map(|image| image.image_name()).transpose();
-        let name = match &named {
-            Ok(Some(name)) => stem(name).to_owned(),
-            _ => format!("{index:06}"),
-        };
-        let pinhole = named.and_then(|_| from_json(&sample));
-        let frame = pinhole.map(|pinhole| frame_from_pinhole(&name, pinhole));
+    let read = each_sample(bytes, |line, sample| {
+        let mut name = format!("{:06}", frames.len());
+        let frame = sample.and_then(|sample| {
+            let sample = Node::root(&sample);
+            if let Some(image) = image_of_sample(&sample) {
+                stem(&image.image_name()?).clone_into(&mut name);
+            }
+            Ok(frame_from_pinhole(&name, from_json(&sample)?))
+        });
+        let frame = frame.map_err(|problem| match line {
+            Some(line) => problem.at_line(line),
+            None => problem,
+        });
         frames.add(&name, None, frame);
         if frames.has_only_damaged() {
-            break;
+            Err(Problem::Empty)
+        } else {
+            Ok(())
         }
+    });
+    // A stop at damage alone is said by the frames.
+    match read {
+        Err(problem) if frames.len() == 0 => Err(problem),
+        _ => frames.finish().map(Some),
     }
-    frames.finish().map(Some)
+}
+
+/// Whether the first line is a sample by itself.
+fn begins_with_sample(bytes: &[u8]) -> bool {
+    let lines = text(bytes).unwrap_or_default().lines();
+    let first = lines.map(str::trim).find(|line| !line.is_empty());
+    first.is_some_and(|line| matches!(parse(line.as_bytes()), Ok(Value::Object(_))))
+}
+
+/// What names the image of a sample.
+fn image_of_sample<'a>(sample: &Node<'a>) -> Option<Node<'a>> {
+    sample.find("image_id").or_else(|| sample.find("image_ids"))
 }
 
 /// Whether the principal point of a frame is not in the middle of its picture.
@@ -405,7 +432,7 @@ impl CameraFormat for PnlCalib {
         SizeSource::PrincipalPoint
     }
 
-    /// A file for each frame, or one with a sample for each frame as `TVCalib` writes it.
+    /// A file for each frame, or one with a sample for each.
     fn read(
         &self,
         files: &Files,
@@ -534,6 +561,31 @@ mod tests {
         assert!(problem.ends_with("x_focal_length is missing"), "{problem}");
         let error = all_damaged.unwrap_err().to_string();
         assert!(error.starts_with("all.json: "), "{error}");
+    }
+
+    #[test]
+    fn samples_are_read_one_a_line_and_a_damaged_one_is_named_by_it() {
+        let files = export_as(&reference(), Format::SoccerNet).files;
+        let mut good: Value = serde_json::from_str(&text_of(&files, "camera_0001.json")).unwrap();
+        let line = |good: &mut Value, image: &str| {
+            good["image_ids"] = image.into();
+            good["loss_ndc_total"] = 0.008.into();
+            good.to_string()
+        };
+        let [a, b] = ["1.jpg", "2.jpg"].map(|image| line(&mut good, image));
+        let read = |text: String| {
+            let files = Files::one("per_sample_output.json", text.into_bytes());
+            PnlCalib.read(&files, &ImportOptions::default()).unwrap()
+        };
+        let names = |frames: &[FrameCamera]| -> Vec<String> {
+            frames.iter().map(|frame| frame.name.clone()).collect()
+        };
+        assert_eq!(names(&read(format!("{a}\n{b}\n"))), ["1", "2"]);
+        assert_eq!(names(&read(b.clone())), ["2"], "one line of them");
+        let frames = read(format!("{a}\n{{\"image_ids\": \"9.jpg\"}}\n{b}\n"));
+        assert_eq!(names(&frames), ["1", "9", "2"]);
+        let problem = &frames[1].unreadable.as_ref().unwrap().problem;
+        assert!(problem.starts_with("line 2: "), "{problem}");
     }
 
     #[test]

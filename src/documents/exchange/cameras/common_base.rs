@@ -9,7 +9,8 @@
 //!    changes little from one to the next: stills of twenty matches are numbered, too.
 //! 2. A gap between places, wider than the step from frame to frame explains, parts two cameras.
 //! 3. Places that drift without coming back, or spread widely for their distance from the field,
-//!    are those of a camera that moves. It has no base.
+//!    are those of a camera that moves. It has no base. What each frame errs by itself, as second
+//!    differences in time show, is neither.
 
 use super::frame_camera::{CommonBase, FrameCamera, Pinhole};
 use super::into_document::{Exactness, ROUNDING_RAD, View, pan_axis};
@@ -38,6 +39,20 @@ const MOST_ROUNDS: usize = 10;
 /// distance from the middle of the field, and drift by at most that one from beginning to end.
 const MOST_SPREAD: f64 = 0.05;
 const MOST_DRIFT: f64 = 0.02;
+
+/// Programs that calibrate frame by frame trade the distance for the focal length, and err anew
+/// in each frame: such places may spread by this share of the distance, 1 σ.
+const MOST_NOISE: f64 = 0.15;
+
+/// A spread of up to this multiple of what each frame errs by itself is nothing else: of five to
+/// ten frames neither is known better.
+const SPREAD_OVER_NOISE: f64 = 1.5;
+
+/// A drift of up to this many σ of the difference of two parts' median places is none.
+const DRIFT_SIGMAS: f64 = 3.0;
+
+/// The σ of the median of many normally distributed values over that of their mean: √(π/2).
+const MEDIAN_OVER_MEAN: f64 = 1.2533;
 
 /// A drift comes back if its ends are nearer to each other than this share of its extent.
 const RETURNS: f64 = 0.7;
@@ -190,8 +205,12 @@ struct Spread {
     middle_m: Vec3,
     /// 1 σ along each axis from the median absolute deviation, m.
     sigma_m: Vec3,
+    /// What each frame errs by itself along each axis, 1 σ, m.
+    noise_m: Vec3,
     /// From the beginning to the end, m.
     drift_m: f64,
+    /// A drift that such errors alone make, m.
+    drift_of_noise_m: f64,
     /// Whether the places come back.
     returns: bool,
 }
@@ -208,10 +227,9 @@ impl Spread {
             .map(|place| (place - middle_m).abs())
             .collect();
         let sigma_m = SIGMA_OVER_MAD * median_place(&off)?;
-        let of_parts: Vec<Vec3> = places
-            .chunks(places.len().div_ceil(PARTS).max(2))
-            .filter_map(median_place)
-            .collect();
+        let noise_m = noise_of(&places).unwrap_or_default();
+        let of_part = places.len().div_ceil(PARTS).max(2);
+        let of_parts: Vec<Vec3> = places.chunks(of_part).filter_map(median_place).collect();
         let (first, last) = (of_parts.first()?, of_parts.last()?);
         let farthest = |from: &Vec3| {
             let away = of_parts.iter().map(|place| (place - from).norm());
@@ -219,10 +237,13 @@ impl Spread {
         };
         let extent_m = of_parts.iter().map(farthest).fold(0.0, f64::max);
         let drift_m = (last - first).norm();
+        let of_two_parts = MEDIAN_OVER_MEAN * (2.0 / of_part as f64).sqrt();
         Some(Self {
             middle_m,
             sigma_m,
+            noise_m,
             drift_m,
+            drift_of_noise_m: DRIFT_SIGMAS * of_two_parts * noise_m.norm(),
             returns: drift_m <= RETURNS * extent_m,
         })
     }
@@ -232,12 +253,22 @@ impl Spread {
         let away_m = self.middle_m.norm();
         let [x, y, z] = <[f64; 3]>::from(self.middle_m);
         let about = format!("about ({x:.1}, {y:.1}, {z:.1}) m");
-        if !self.returns && self.drift_m > MOST_DRIFT * away_m {
+        let most_drift_m = MOST_DRIFT * away_m + self.drift_of_noise_m;
+        let is_noise = |axis: usize| self.sigma_m[axis] <= SPREAD_OVER_NOISE * self.noise_m[axis];
+        let most_spread = |axis: usize| {
+            if is_noise(axis) {
+                MOST_NOISE
+            } else {
+                MOST_SPREAD
+            }
+        };
+        let is_spread = (0..3).any(|axis| self.sigma_m[axis] > most_spread(axis) * away_m);
+        if !self.returns && self.drift_m > most_drift_m {
             Some(format!(
                 "drift by {:.1} m {about} without coming back",
                 self.drift_m
             ))
-        } else if self.sigma_m.amax() > MOST_SPREAD * away_m {
+        } else if is_spread {
             Some(format!(
                 "are spread by ±{:.1} m {about}",
                 self.sigma_m.amax()
@@ -246,6 +277,17 @@ impl Spread {
             None
         }
     }
+}
+
+/// What each place errs by itself along each axis, 1 σ, m: a camera that moves steadily has no
+/// second differences in time. None of fewer than three places.
+fn noise_of(places: &[Vec3]) -> Option<Vec3> {
+    let seconds = places
+        .windows(3)
+        .map(|three| three[0] - 2.0 * three[1] + three[2]);
+    let seconds: Vec<Vec3> = seconds.map(|second| second.abs()).collect();
+    // The squares of 1, 2 and 1 sum up to 6.
+    Some(SIGMA_OVER_MAD / 6.0_f64.sqrt() * median_place(&seconds)?)
 }
 
 fn median_place(places: &[Vec3]) -> Option<Vec3> {

@@ -236,7 +236,7 @@ pub(in crate::exchange) fn unsolved_frame(
     size: ImageSize,
 ) -> Frame {
     // A frame of a video only has a number and no image; a track that names no video is named by
-    // its own frames (`places::names_video`).
+    // its own frames (`places::names_video`); an import names it by its file.
     let image = frame.image.clone().unwrap_or_else(|| frame.name.clone());
     match (&frame.image, frame.frame_index) {
         (None, Some(index)) => {

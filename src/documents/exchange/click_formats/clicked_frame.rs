@@ -10,7 +10,7 @@ use crate::exchange::options::{ExportOptions, ImportOptions, LabelMap};
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::values::shorten;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
 /// A frame whose clicks are written.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +36,8 @@ pub struct LabelledFrame {
     pub size: ImageSize,
     /// In the file's order.
     pub marks: Vec<Mark>,
+    /// What moves in it, px, where the options ask for it.
+    pub masks: Vec<PixelBox>,
 }
 
 /// A point with a label.

@@ -158,6 +158,7 @@ pub(in crate::exchange) fn read_with(
         }
         let name = picture_path(image.key("file_name")?.text()?, options)?;
         frames.push(LabelledFrame {
+            masks: Vec::new(),
             image: Some(name.clone()),
             name,
             size: image.size_at("width", "height")?,

@@ -307,6 +307,7 @@ fn read_image(
     };
     let size = ImageSize::new(side(image, "width")?, side(image, "height")?);
     Ok(LabelledFrame {
+        masks: Vec::new(),
         image: Some(name.clone()),
         name,
         size,
@@ -340,6 +341,7 @@ fn read_file(
             .ok_or_else(|| Problem::Missing("<original_size>".to_owned()))?;
         for (number, marks) in tracks {
             frames.push(LabelledFrame {
+                masks: Vec::new(),
                 name: format!("frame_{number:06}"),
                 image: None,
                 size,

@@ -202,6 +202,7 @@ fn read_task(
     }
     let size = size.ok_or_else(|| size_needed(&image))?;
     Ok(LabelledFrame {
+        masks: Vec::new(),
         name: image.clone(),
         image: Some(image),
         size,

@@ -96,6 +96,7 @@ fn read_file(
         }
     }
     Ok(LabelledFrame {
+        masks: Vec::new(),
         name: without_ending(&image).to_owned(),
         image: Some(image),
         size,

@@ -382,6 +382,7 @@ mod tests {
                 .iter()
                 .map(|label| Mark::new((*label).to_owned(), ImagePoint::new(1.0, 1.0)));
             let frame = LabelledFrame {
+                masks: Vec::new(),
                 name: "a".to_owned(),
                 image: None,
                 size: ImageSize::new(2, 2),

@@ -82,6 +82,7 @@ fn read_table(
             let own = size_of(&row)?.or_else(|| (reading.sizes)(&name));
             at.insert(name.clone(), frames.len());
             frames.push(LabelledFrame {
+                masks: Vec::new(),
                 size: size_or_option(&name, own, reading.options)?,
                 image: Some(name.clone()),
                 name,
@@ -114,6 +115,7 @@ fn read_object(
         marks.extend(unread.keep(file, Some(&name), read));
     }
     Ok(LabelledFrame {
+        masks: Vec::new(),
         size: size_or_option(&name, (reading.sizes)(&name), reading.options)?,
         image: None,
         name,

@@ -23,7 +23,7 @@ use crate::exchange::syntax::node::{Node, parse, safe_path};
 use crate::exchange::syntax::values::shorten;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
 /// The format.
 pub struct SoccerNetLines;
@@ -136,6 +136,7 @@ fn share_of_side(coordinate: &Node<'_>) -> Result<f64, Problem> {
 fn read_game_state(
     file: &str,
     bytes: &[u8],
+    with_masks: bool,
     unread: &mut UnreadLabels,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let value = parse(bytes)?;
@@ -151,6 +152,7 @@ fn read_game_state(
         let name = safe_path(&format!("{folder}{name}"))?;
         at.insert(image.key("image_id")?.text()?.to_owned(), frames.len());
         frames.push(LabelledFrame {
+            masks: Vec::new(),
             image: Some(name.clone()),
             name,
             size: image.size_at("width", "height")?,
@@ -159,20 +161,45 @@ fn read_game_state(
     }
     for annotation in root.key("annotations")?.items()? {
         // People and the ball have boxes.
-        let Some(lines) = annotation.find("lines") else {
+        let lines = annotation.find("lines");
+        let found = annotation.find("bbox_image").filter(|_| with_masks);
+        if lines.is_none() && found.is_none() {
             continue;
-        };
+        }
         let id = annotation.key("image_id")?.text()?;
         let index = *at.get(id).ok_or_else(|| Problem::Unknown {
             what: "the image of an annotation,",
             name: shorten(id),
         })?;
         let frame = &mut frames[index];
-        let read = marks_of_lines(&lines, frame.size);
-        let marks = unread.keep(file, Some(&frame.name), read);
-        frame.marks.extend(marks.unwrap_or_default());
+        if let Some(found) = found {
+            let read = mask_of_box(&found, frame.size);
+            let mask = unread.keep(file, Some(&frame.name), read);
+            frame.masks.extend(mask.flatten());
+        }
+        if let Some(lines) = lines {
+            let read = marks_of_lines(&lines, frame.size);
+            let marks = unread.keep(file, Some(&frame.name), read);
+            frame.marks.extend(marks.unwrap_or_default());
+        }
     }
     Ok(frames)
+}
+
+/// The part of a person's box that lies in the picture, px; none where no part does.
+fn mask_of_box(found: &Node<'_>, size: ImageSize) -> Result<Option<PixelBox>, Problem> {
+    let [x, y, width, height] = found.numbers_at(["x", "y", "w", "h"])?;
+    let (left, top) = (x.max(0.0), y.max(0.0));
+    let (right, bottom) = (
+        (x + width).min(f64::from(size.width)),
+        (y + height).min(f64::from(size.height)),
+    );
+    Ok((right > left && bottom > top).then_some(PixelBox {
+        x: left,
+        y: top,
+        width: right - left,
+        height: bottom - top,
+    }))
 }
 
 impl ClickFormat for SoccerNetLines {
@@ -198,6 +225,7 @@ impl ClickFormat for SoccerNetLines {
                 FormatOption::Size,
                 FormatOption::EachOwnCamera,
                 FormatOption::StretchedFrom,
+                FormatOption::Masks,
             ],
         }
     }
@@ -248,12 +276,13 @@ impl ClickFormat for SoccerNetLines {
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         files.read_all(|file, bytes| {
             if base_name(file) == GAME_STATE {
-                return read_game_state(file, bytes, unread);
+                return read_game_state(file, bytes, reading.options.masks, unread);
             }
             let path = without_ending(file);
             let size = size_or_option(path, (reading.sizes)(path), reading.options)?;
             let marks = unread.keep(file, None, read_file(bytes, size));
             let frame = marks.map(|marks| LabelledFrame {
+                masks: Vec::new(),
                 name: path.to_owned(),
                 image: None,
                 size,
@@ -399,6 +428,34 @@ mod tests {
             .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));
         }
+    }
+
+    #[test]
+    fn boxes_of_people_are_masks_where_they_are_asked_for() {
+        let with_box = |x: f64, w: f64| {
+            let found = json!({ "x": x, "y": 5.0, "w": w, "h": 80.0 });
+            json!({ "image_id": "1", "bbox_image": found })
+        };
+        let text = json!({
+            "images": [{ "image_id": "1", "file_name": "1.jpg", "width": 1920, "height": 1080 }],
+            "annotations": [with_box(100.0, 40.0), with_box(-10.0, 30.0), with_box(-50.0, 30.0)],
+        });
+        let files = Files::one(GAME_STATE, text.to_string().into_bytes());
+        let masks = |masks: bool| {
+            let options = ImportOptions {
+                masks,
+                ..ImportOptions::default()
+            };
+            let frames = read_alone(&SoccerNetLines, &files, &options, None).unwrap();
+            let boxes = frames[0].masks.iter();
+            boxes.map(|mask| [mask.x, mask.width]).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            masks(true),
+            [[100.0, 40.0], [0.0, 20.0]],
+            "what is in the picture"
+        );
+        assert!(masks(false).is_empty());
     }
 
     #[test]

@@ -253,6 +253,7 @@ pub(in crate::exchange) fn read_with(
             marks_of_file(bytes, third, names.as_deref(), size),
         );
         Ok(marks.map(|marks| LabelledFrame {
+            masks: Vec::new(),
             name: stem.to_owned(),
             image: Some(at_image),
             size,

@@ -1,7 +1,8 @@
 //! Import of foreign cameras as a document.
 
 use super::imported::Imported;
-use super::pictures::{image_of, refuse_shared_pictures};
+use super::pictures::{image_of, name_tracks, refuse_shared_pictures};
+use super::places::names_video;
 use crate::document::{Camera, CameraId, Document, FrameStatus, path_between};
 use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::common_base::find_common_bases;
@@ -66,6 +67,7 @@ pub fn import_cameras(
     }
     refuse_repeated(&frames, path)?;
     let images = options.images_folder(folder);
+    let in_tracks = name_tracks(&mut frames, path);
     let mut reader = ViewReader {
         path,
         format,
@@ -89,10 +91,9 @@ pub fn import_cameras(
         if frame.image.is_some() || frame.frame_index.is_none() {
             frame.image = Some(path_between(folder, &images.join(file)));
         }
-        frame.video = frame
-            .video
-            .as_ref()
-            .map(|video| path_between(folder, &images.join(video)));
+        if let Some(video) = frame.video.as_mut().filter(|video| names_video(video)) {
+            *video = path_between(folder, &images.join(&*video));
+        }
         sizes.push(known.or(options.size).or(options.video_size));
         // Its size is noted above all the same: such a frame is in the document without a camera.
         if frame.unreadable.is_some() {
@@ -118,6 +119,12 @@ pub fn import_cameras(
     notes.extend(under_ground_note(&views));
     notes.extend(remark_notes(&frames));
     notes.extend(camera_format.unread(&files));
+    if in_tracks > 0 && options.video_size.is_none() {
+        notes.push(format!(
+            "{} of a video that the file does not name; --video VIDEO says which",
+            pluralise(in_tracks, "frame")
+        ));
+    }
     let given: Vec<Pinhole> = views.iter().map(|(_, _, view)| *view).collect();
     notes.extend(find_common_bases(&mut views, camera_format.exactness()));
     put_on_one_place(&mut views);

@@ -20,7 +20,7 @@ use crate::exchange::syntax::values::shorten;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImagePoint, ImageSize, pluralise};
+use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, pluralise};
 
 /// The maximum distance of a point from the picture's corner, px. A picture has at most 65,535 px a
 /// side, so that a point this far away is a mistake, not one dragged beyond the border.
@@ -229,6 +229,9 @@ fn fit_to_options(
         mark.image = ImagePoint::new(mark.image.x * factor, mark.image.y * factor);
         mark.sigma_px = mark.sigma_px.map(|sigma_px| sigma_px * factor);
     }
+    for mask in &mut frame.masks {
+        *mask = mask.scale_by(factor);
+    }
     frame.size = size;
     rescaled.count(stated, size);
     Ok(())
@@ -257,6 +260,14 @@ fn unstretch(
     let higher = f64::from(size.height) / f64::from(stretched.height);
     for mark in &mut frame.marks {
         mark.image = ImagePoint::new(mark.image.x * wider, mark.image.y * higher);
+    }
+    for mask in &mut frame.masks {
+        *mask = PixelBox {
+            x: mask.x * wider,
+            y: mask.y * higher,
+            width: mask.width * wider,
+            height: mask.height * higher,
+        };
     }
     frame.size = size;
     Ok(())
@@ -361,6 +372,7 @@ fn frame_of(
     Frame {
         status,
         clicks,
+        masks: frame.masks.clone(),
         ..Frame::from_image(&path, cameras.find_or_add(frame.size), frame.size)
     }
 }

@@ -187,7 +187,10 @@ fn share_cameras(document: &mut Document) {
 
 /// Whether an imported frame has something that a frame of the document may get.
 fn has_labels(imported: &Frame) -> bool {
-    imported.ptz.is_some() || imported.lens.is_some() || !imported.clicks.is_empty()
+    imported.ptz.is_some()
+        || imported.lens.is_some()
+        || !imported.clicks.is_empty()
+        || !imported.masks.is_empty()
 }
 
 /// A frame with the labels of an imported one; none where its own labels are kept.
@@ -227,6 +230,10 @@ fn label(
                 FrameStatus::Draft
             };
         }
+        changed = true;
+    }
+    if !imported.masks.is_empty() && frame.masks.is_empty() {
+        frame.masks.clone_from(&imported.masks);
         changed = true;
     }
     changed.then_some(frame)

@@ -49,9 +49,10 @@ impl Lookalike {
                  place of it"
             }
             Self::ControlPoints => {
-                "control points of a survey are on no field: make a template with them as \
-                 landmarks (`touchline fields soccer --json` shows one), and a table \
-                 frame,label,x,y"
+                "control points of a survey are on no field: write them as landmarks, with one \
+                 line or more, into a template (`touchline fields badminton --template my.json` \
+                 writes one to change) and their pixels into a table frame,label,x,y; then import \
+                 the table with --field my.json --each-own-camera"
             }
             Self::OtherSeparator => "write the table with commas between the fields",
         }

@@ -1,10 +1,11 @@
 //! Finds the pictures of imported frames.
 
 use crate::document::Document;
-use crate::exchange::cameras::camera_format::has_ending;
+use crate::exchange::cameras::camera_format::{file_stem, has_ending};
+use crate::exchange::cameras::frame_camera::FrameCamera;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::syntax::values::shorten;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::ImageSize;
 use touchline_vision::media;
@@ -43,6 +44,34 @@ pub fn image_of(named: &str, images: &Path) -> (PathBuf, Option<ImageSize>) {
     (found.cloned().unwrap_or(first), size)
 }
 
+/// Gives frames that have a number and neither image nor video the video that they are of, under
+/// the name of their file: one for all of them, or one a camera where the numbers of cameras
+/// coincide. Says how many there are.
+pub fn name_tracks(frames: &mut [FrameCamera], path: &Path) -> usize {
+    let is_of_track = |frame: &FrameCamera| frame.image.is_none() && frame.video.is_none();
+    let mut first_cameras: BTreeMap<u64, Option<&str>> = BTreeMap::new();
+    let of_tracks = frames.iter().filter(|frame| is_of_track(frame));
+    let numbered: Vec<_> = of_tracks
+        .filter_map(|frame| Some((frame.frame_index?, frame.camera.as_deref())))
+        .collect();
+    let coincide = numbered
+        .iter()
+        .any(|(number, camera)| *first_cameras.entry(*number).or_insert(*camera) != *camera);
+    let count = numbered.len();
+    // A name with an ending is that of a file, which nobody has named (`places::names_video`).
+    let plain = |name: &str| name.replace('.', "_");
+    let track = plain(&file_stem(&path.to_string_lossy()));
+    for frame in frames {
+        if is_of_track(frame) && frame.frame_index.is_some() {
+            frame.video = Some(match &frame.camera {
+                Some(camera) if coincide => format!("{track} {}", plain(camera)),
+                _ => track.clone(),
+            });
+        }
+    }
+    count
+}
+
 /// Refuses two frames of one picture: without the folders in their names, left/1.jpg and right/1.jpg
 /// are the same.
 ///
@@ -66,6 +95,7 @@ pub fn refuse_shared_pictures(document: &Document, path: &Path) -> Result<(), Ex
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exchange::cameras::frame_camera::FrameProjection;
 
     #[test]
     fn a_picture_is_found_without_the_folders_that_its_name_begins_with() {
@@ -89,6 +119,45 @@ mod tests {
         write("images/0001.png");
         let found = image_of("images/0001", folder.path());
         assert_eq!(found.0, PathBuf::from("images/0001.png"));
+    }
+
+    /// The video of each frame of a table `match.v2.csv` that states cameras and numbers alone.
+    fn tracks(stated: &[(&str, u64)]) -> Vec<String> {
+        let mut frames: Vec<FrameCamera> = stated
+            .iter()
+            .map(|(camera, number)| FrameCamera {
+                camera: Some((*camera).to_owned()),
+                frame_index: Some(*number),
+                ..FrameCamera::new(
+                    &format!("{camera}#{number}"),
+                    None,
+                    FrameProjection::Nothing,
+                )
+            })
+            .collect();
+        assert_eq!(
+            name_tracks(&mut frames, Path::new("/a/match.v2.csv")),
+            stated.len()
+        );
+        frames.into_iter().filter_map(|frame| frame.video).collect()
+    }
+
+    #[test]
+    fn rows_without_a_picture_are_frames_of_one_video() {
+        assert_eq!(tracks(&[("main", 0), ("main", 1)]), ["match_v2"; 2]);
+        assert_eq!(
+            tracks(&[("main", 0), ("goal", 1)]),
+            ["match_v2"; 2],
+            "in turn"
+        );
+        let at_once = tracks(&[("main", 0), ("goal.left", 0)]);
+        assert_eq!(at_once, ["match_v2 main", "match_v2 goal_left"]);
+        let mut pictures = [FrameCamera {
+            image: Some("0001.jpg".to_owned()),
+            ..FrameCamera::new("0001", None, FrameProjection::Nothing)
+        }];
+        assert_eq!(name_tracks(&mut pictures, Path::new("a.csv")), 0);
+        assert_eq!(pictures[0].video, None);
     }
 
     #[test]

@@ -103,6 +103,7 @@ fn read_map(
         let read = marks(&picture, shift_px);
         if let Some(marks) = unread.keep(file, Some(&name), read) {
             frames.push(LabelledFrame {
+                masks: Vec::new(),
                 image: Some(name.clone()),
                 name,
                 size,

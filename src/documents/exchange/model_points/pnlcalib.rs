@@ -179,6 +179,7 @@ fn read_picture(
     let name = without_ending(base_name(file)).to_owned();
     let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
     Ok(LabelledFrame {
+        masks: Vec::new(),
         marks: marks(&root, size)?,
         name,
         image: None,

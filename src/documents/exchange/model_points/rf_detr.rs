@@ -56,6 +56,7 @@ fn read_picture(
         }
     }
     Ok(LabelledFrame {
+        masks: Vec::new(),
         size: size_or_option(&name, own, reading.options)?,
         image: None,
         name,

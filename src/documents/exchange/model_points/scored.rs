@@ -65,6 +65,7 @@ fn read_results(
         let name = id.to_string();
         let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
         let frame = frames.entry(id).or_insert_with(|| LabelledFrame {
+            masks: Vec::new(),
             name,
             image: None,
             size,

@@ -6,6 +6,7 @@
 pub mod node;
 pub mod npy;
 pub mod npz;
+pub mod samples;
 mod strict_json;
 pub mod table;
 pub mod values;

@@ -299,7 +299,13 @@ fn opentrackio(damage: &mut Damage) {
         "\"transforms\":[],\"was\":[",
     );
     damage.swap("no-pan", "\"pan\"", "\"yaw\"");
-    damage.swap("a-scale", "\"id\":\"Camera\"", "\"scale\":{\"x\":2}");
+    damage.swap("a-flat-scale", "\"id\":\"Camera\"", "\"scale\":{\"x\":0}");
+    damage.swap(
+        "a-scale-that-shears",
+        "\"transforms\":[",
+        "\"transforms\":[{\"translation\":{\"x\":0,\"y\":0,\"z\":0},\
+         \"rotation\":{\"pan\":0,\"tilt\":0,\"roll\":0},\"scale\":{\"x\":2}},",
+    );
     damage.swap("another-lens", "Brown-Conrady U-D", "Fisheye");
     damage.swap("a-second-term", ",0.0,0.0,0.0]}", ",0.5,0.0,0.0]}");
     damage.swap(

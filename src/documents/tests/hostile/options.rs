@@ -13,6 +13,12 @@ use touchline_documents::exchange::{
 /// What the test calls the options of imports that the command line heeds by itself.
 const OF_THE_COMMAND: [FormatOption; 1] = [FormatOption::EachOwnCamera];
 
+/// A picture of the game state challenge with the box of one person.
+const ONE_PERSON: &str = r#"{
+    "images": [{ "image_id": "1", "file_name": "1.jpg", "width": 1920, "height": 1080 }],
+    "annotations": [{ "image_id": "1", "bbox_image": { "x": 9, "y": 9, "w": 9, "h": 9 } }]
+}"#;
+
 /// A document in which each option finds something to change: a gap of a frame, a click outside of
 /// the picture, and one on a line whose class has two names.
 fn probe() -> Document {
@@ -127,6 +133,7 @@ fn set_reading(option: FormatOption, options: &mut ImportOptions) {
         FormatOption::Zoom => options.zoom = Some(Zoom::Table(vec![(0.0, 1e3), (1e4, 9e4)])),
         FormatOption::SensorMm => options.sensor_width_mm = Some(7.0),
         FormatOption::Undistorted => options.undistorted = true,
+        FormatOption::Masks => options.masks = true,
         FormatOption::Template => options.homographies.plan = Some(GroundPlan::CornerMetres),
         FormatOption::Direction => {
             options.homographies.direction = Some(MatrixDirection::ImageFromPitch);
@@ -168,6 +175,13 @@ fn every_option_of_an_import_is_heeded_or_not_declared() {
         for option in FormatOption::all() {
             if OF_THE_COMMAND.contains(&option) {
                 continue;
+            }
+            let mut sample = sample.clone();
+            if (format, option) == (Format::SoccerNetLines, FormatOption::Masks) {
+                sample.files = vec![(
+                    "Labels-GameState.json".to_owned(),
+                    ONE_PERSON.as_bytes().to_vec(),
+                )];
             }
             let is_heeded = [Pixels::Corner, Pixels::Centre].into_iter().any(|pixels| {
                 // Whether labels without a meaning are skipped matters where there are some.

@@ -10,20 +10,21 @@
 mod lens_law;
 mod sample_reading;
 mod sample_writing;
+mod transforms;
 
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::FrameCamera;
 use crate::exchange::cameras::held::parts;
 use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
-use crate::exchange::files::{Files, text};
+use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
 use crate::exchange::options::ImportOptions;
-use crate::exchange::syntax::node::{Node, parse};
+use crate::exchange::syntax::node::Node;
+use crate::exchange::syntax::samples::each_sample;
 use sample_reading::{Static, name_of_sample, read_sample, unread_of_sample};
 use sample_writing::{sample, static_part};
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::geometry::ImageSize;
 
@@ -184,42 +185,6 @@ impl CameraFormat for OpenTrackIo {
     }
 }
 
-/// The samples of a file with their lines: one sample, a list of them, or one a line.
-///
-/// # Errors
-/// The file is empty or no text, or `each` fails.
-fn each_sample(
-    bytes: &[u8],
-    mut each: impl FnMut(Option<usize>, Result<Value, Problem>) -> Result<(), Problem>,
-) -> Result<(), Problem> {
-    let text = text(bytes)?;
-    let lines = text.lines().enumerate();
-    let mut lines = lines.filter(|(_, line)| !line.trim().is_empty()).peekable();
-    // A file of one sample a line is never read as a whole: it may be as long as a match. The first
-    // line of any other file is no JSON by itself, or a list.
-    let first = lines.peek().map_or("", |(_, line)| *line);
-    let is_sample_a_line = matches!(parse(first.as_bytes()), Ok(Value::Object(_)));
-    if !is_sample_a_line {
-        match parse(bytes) {
-            Ok(Value::Array(samples)) => {
-                return samples
-                    .into_iter()
-                    .try_for_each(|sample| each(None, Ok(sample)));
-            }
-            Ok(sample) => return each(None, Ok(sample)),
-            // A damaged line among others, unless the file is one damaged sample.
-            Err(problem) if first.trim() == "{" || first.trim_start().starts_with('[') => {
-                return each(None, Err(problem));
-            }
-            Err(_) => {}
-        }
-    }
-    for (index, line) in lines {
-        each(Some(index + 1), parse(line.as_bytes()))?;
-    }
-    Ok(())
-}
-
 /// The source of a sample, whose static part it has; empty where it names none.
 fn source_of(root: &Node<'_>) -> String {
     let source = root
@@ -250,7 +215,7 @@ mod tests {
     use crate::exchange::export;
     use crate::exchange::tests::{awkward, export_as, reference, text_of};
     use crate::exchange::{ExportOptions, Files, Format};
-    use serde_json::json;
+    use serde_json::{Value, json};
     use std::path::Path;
     use touchline_core::camera::Radial;
 
@@ -278,9 +243,15 @@ mod tests {
         assert_eq!(unread(&sample), [""; 0], "nothing changes");
         sample["lens"]["perspectiveShift"]["x"] = 0.1.into();
         sample["lens"]["distortionOverscan"] = 1.2.into();
+        sample["lens"]["distortion"][0]["overscan"] = 1.1.into();
         sample["protocol"]["version"] = json!([0, 9, 2]);
         let said = unread(&sample).concat();
-        for named in ["perspectiveShift", "distortionOverscan", "version 0.9.2"] {
+        for named in [
+            "perspectiveShift",
+            "distortionOverscan",
+            "distortion[0].overscan",
+            "version 0.9.2",
+        ] {
             assert!(said.contains(named), "{named}: {said}");
         }
     }
@@ -430,9 +401,8 @@ mod tests {
                 "line 1: transforms[0].rotation.pan is missing",
             ),
             (
-                swap("\"id\":\"Camera\"", "\"scale\":{\"x\":2}"),
-                "line 1: transforms[0].scale.x of 2 cannot be read: a camera has a scale of 1; \
-                 remove it from the samples where it is that of a model on the stage",
+                swap("\"id\":\"Camera\"", "\"scale\":{\"x\":0}"),
+                "line 1: transforms[0].scale.x is 0, which must be above 0",
             ),
             (
                 swap("Brown-Conrady U-D", "Fisheye"),
@@ -535,14 +505,9 @@ mod tests {
         );
         absurd["lens"].as_object_mut().unwrap().remove("distortion");
         assert!(read(&absurd).is_ok(), "as it says");
-        let mut squeezed = sample.clone();
+        let mut squeezed = sample;
         squeezed["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 2, "denom": 1 });
         let said = read(&squeezed).unwrap_err().to_string();
         assert!(said.contains("the nearest square pixels are"), "{said}");
-        let mut scaled = sample;
-        scaled["transforms"][0]["scale"] = json!({ "x": 1.0, "y": 1, "z": 1.0 });
-        assert!(read(&scaled).is_ok());
-        scaled["transforms"][0]["scale"]["y"] = 2.into();
-        assert!(read(&scaled).is_err());
     }
 }

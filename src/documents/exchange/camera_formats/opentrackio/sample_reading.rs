@@ -2,8 +2,9 @@
 //! came before it, and what would change the picture but is not read is named.
 
 use super::lens_law::{BrownConrady, FittedLens, Screen};
+use super::transforms::BodyPose;
 use super::{INVERSE_MODEL, MODEL, NAME_KEY, NOMINAL_NOTE, OWN_NOTES};
-use crate::exchange::cameras::body_angles::{cam_from_world, world_from_body};
+use crate::exchange::cameras::body_angles::cam_from_world;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::error::Problem;
@@ -14,9 +15,9 @@ use crate::exchange::syntax::values::shorten;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use touchline_core::camera::Radial;
-use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use touchline_core::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 
-/// How far the lens of a document may be from that of a sample, px.
+/// How far the lens and the axes of a document may each be from those of a sample, px.
 const MOST_OFF_PX: f64 = 0.05;
 
 /// The name of a frame in the notes of its sample; none in those of other programs.
@@ -85,42 +86,6 @@ impl Static {
     }
 }
 
-/// The rotation and position (m) of the camera's body in the world: all transforms composed, in the
-/// order of the file.
-fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
-    let mut rotation = Mat3::identity();
-    let mut place = Vec3::zeros();
-    let transforms = root.key("transforms")?;
-    if transforms.count()? == 0 {
-        return Err(Problem::Missing("a transform".to_owned()));
-    }
-    for transform in transforms.items()? {
-        if let Some(scale) = transform.find("scale") {
-            refuse_scale(&scale)?;
-        }
-        let (t, r) = (transform.key("translation")?, transform.key("rotation")?);
-        // Each transform is in the axes of the one before: a crane, its arm, its head.
-        place += rotation * Vec3::from(t.numbers_at(["x", "y", "z"])?);
-        rotation *= world_from_body(r.angles_at(["pan", "tilt", "roll"])?);
-    }
-    Ok((rotation, place))
-}
-
-/// Refuses a scale other than one: it would stretch the camera's own axes.
-fn refuse_scale(scale: &Node<'_>) -> Result<(), Problem> {
-    let stated = ["x", "y", "z"].iter().filter_map(|axis| scale.find(axis));
-    for side in stated {
-        if side.number()? != 1.0 {
-            return Err(Problem::Unsupported {
-                what: format!("{} of {}", side.path(), side.number()?),
-                why: "a camera has a scale of 1; remove it from the samples where it is that of \
-                 a model on the stage",
-            });
-        }
-    }
-    Ok(())
-}
-
 /// Entries that affect the picture and are not read.
 const UNREAD: [&[&str]; 5] = [
     &["static", "lens", "distortionOverscanMax"],
@@ -140,6 +105,14 @@ pub(super) fn unread_of_sample(root: &Node<'_>) -> BTreeSet<String> {
         .filter(|path| find_path(root, path).is_some_and(|node| !is_neutral(node.value())))
         .map(|path| path.join("."))
         .collect();
+    // How much wider a renderer has to draw before it bends its picture.
+    let laws = find_path(root, &["lens", "distortion"]).and_then(|list| list.items().ok());
+    let overscans = laws
+        .into_iter()
+        .flatten()
+        .filter_map(|law| law.find("overscan"));
+    let changed = overscans.filter(|overscan| !is_neutral(overscan.value()));
+    unread.extend(changed.map(|overscan| overscan.path().to_string()));
     let version =
         find_path(root, &["protocol", "version"]).and_then(|version| version.numbers::<3>().ok());
     if let Some([major, minor, patch]) = version.filter(|version| *version != VERSION) {
@@ -167,7 +140,7 @@ fn is_neutral(value: &Value) -> bool {
     }
 }
 
-/// The distortions that a lens states, those of our direction first.
+/// The distortions that a lens states.
 fn distortions(lens: &Node<'_>) -> Result<Vec<BrownConrady>, Problem> {
     let centre_mm = match lens.find("distortionOffset") {
         Some(offset) => Vec2::from(offset.numbers_at(["x", "y"])?),
@@ -205,7 +178,6 @@ fn distortions(lens: &Node<'_>) -> Result<Vec<BrownConrady>, Problem> {
         });
     }
     laws.retain(BrownConrady::bends);
-    laws.sort_by_key(|law| law.is_inverse);
     Ok(laws)
 }
 
@@ -214,12 +186,13 @@ fn distortions(lens: &Node<'_>) -> Result<Vec<BrownConrady>, Problem> {
 /// # Errors
 /// It is too far off; how far is said.
 fn radial(lens: &Node<'_>, screen: &Screen) -> Result<(Radial, f64), Problem> {
-    // A list may have a law for each direction; the one of our direction needs no inverse.
-    let laws = distortions(lens)?;
-    let Some(law) = laws.first() else {
+    // A list may have a law for each direction: the nearer one to ours is taken, which is exact
+    // where it is of our direction.
+    let fits = distortions(lens)?.into_iter().map(|law| law.fit(screen));
+    let nearest = fits.min_by(|a, b| a.off_px.total_cmp(&b.off_px));
+    let Some(FittedLens { radial, off_px }) = nearest else {
         return Ok((Radial::default(), 0.0));
     };
-    let FittedLens { radial, off_px } = law.fit(screen);
     if off_px <= MOST_OFF_PX {
         return Ok((radial, off_px));
     }
@@ -272,7 +245,6 @@ pub(super) fn read_sample(
     let mm_per_px = sensor_mm / f64::from(size.width);
     let lens = root.key("lens")?;
     let focal_mm = lens.key("pinholeFocalLength")?.positive()?;
-    let (body, place) = pose(root)?;
     let forward = lens
         .find("entrancePupilOffset")
         .map(|node| node.number())
@@ -302,6 +274,7 @@ pub(super) fn read_sample(
         mm_per_px,
         focal_mm,
     };
+    let body = BodyPose::of_sample(root, &screen, MOST_OFF_PX)?;
     let (radial, off_px) = if options.undistorted {
         (Radial::default(), 0.0)
     } else {
@@ -310,15 +283,15 @@ pub(super) fn read_sample(
     let pinhole = Pinhole {
         // From the body's axes to the camera's. The entrance pupil, which is the centre of
         // projection, lies ahead of the tracked point along the body's y axis.
-        cam_from_world: cam_from_world([0.0; 3]) * body.transpose(),
-        position_m: place + body * Vec3::new(0.0, forward, 0.0),
+        cam_from_world: cam_from_world([0.0; 3]) * body.world_from_body.transpose(),
+        position_m: body.place_m + body.world_from_body * Vec3::new(0.0, forward, 0.0),
         focal_px: square.focal_px,
         principal_point: square.principal_point,
         lens: radial,
     };
     let shown = FrameProjection::Camera(pinhole.validate("the camera")?);
     Ok(FrameCamera {
-        off_px: off_px + square.off_px,
+        off_px: off_px + square.off_px + body.off_px,
         ..FrameCamera::new(&name_of_sample(root, index)?, Some(size), shown)
     })
 }

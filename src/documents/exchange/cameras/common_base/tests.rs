@@ -37,6 +37,15 @@ fn noise(number: usize, size: f64) -> Vec3 {
     (steps * (number + 1) as f64).map(|value| size * (2.0 * value.fract() - 1.0))
 }
 
+/// Noise as `noise`, but each number knows nothing of the one before.
+fn white_noise(number: usize, size: f64) -> Vec3 {
+    let seeds = Vec3::new(12.9898, 78.233, 37.719) * (number + 1) as f64;
+    seeds.map(|seed| {
+        let value = (43_758.545_3 * seed.sin()).rem_euclid(1.0);
+        size * (2.0 * value - 1.0)
+    })
+}
+
 /// A video whose places waver by up to `place_m` along each axis, and that rolls by up to
 /// `roll_deg`.
 fn video(frames: usize, place_m: f64, roll_deg: f64) -> Vec<View> {
@@ -189,6 +198,38 @@ fn a_camera_that_moves_is_said_and_has_no_base() {
         let is_said = notes.len() == 1 && notes[0].contains(said) && notes[0].contains("moves");
         assert!(is_said, "{notes:?}");
     }
+}
+
+#[test]
+fn frames_that_err_each_by_itself_do_not_move() {
+    // Along the axis of the view, where distance and focal length are traded, by far the most.
+    let one = |number: usize, size_m: f64| {
+        let offset_m = Vec3::new(0.2, 1.0, 0.3).component_mul(&white_noise(number, size_m));
+        view(&format!("{number:04}.jpg"), number, offset_m, 0.0)
+    };
+    for (frames, size_m) in [(400, 12.0), (12, 4.0), (30, 6.0)] {
+        let views: Vec<View> = (0..frames).map(|number| one(number, size_m)).collect();
+        let (document, notes) = imported(&views);
+        assert_eq!(
+            document.cameras.len(),
+            1,
+            "{frames} of ±{size_m} m: {notes:?}"
+        );
+        assert!(farthest_px(&document, &views) < 1e-9);
+    }
+    // The same spread in a slow walk is a camera that moves.
+    let walk = |number: usize| {
+        let offset_m = Vec3::new(0.0, 9.0 * (number as f64 / 60.0).sin(), 0.0);
+        view(
+            &format!("{number:04}.jpg"),
+            number,
+            offset_m + white_noise(number, 0.1),
+            0.0,
+        )
+    };
+    let (document, notes) = imported(&(0..400).map(walk).collect::<Vec<_>>());
+    assert!(document.cameras.len() > 1, "{notes:?}");
+    assert!(notes[0].contains("a camera that moves"), "{notes:?}");
 }
 
 #[test]
