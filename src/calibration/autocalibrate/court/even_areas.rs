@@ -8,8 +8,9 @@ use touchline_vision::paint::GroundPicture;
 /// Side of a block, px at 1920 px width.
 const BLOCK_PX: f64 = 24.0;
 
-/// Maximum mean slope of the brightness in an even block, grey levels / px: planks of a floor have
-/// 1 to 3, a crowd 8 and more.
+/// Maximum mean slope of the brightness in an even block, grey levels / px. On two wooden floors it
+/// is 1.6 to 2.2 in the median and at most 5 in nine of ten blocks without players; in crowds the
+/// median is 5 to 10.
 const MAX_SLOPE: f64 = 5.0;
 
 /// Places between two points that are looked at.
@@ -73,5 +74,40 @@ impl EvenAreas {
                 .get(row * self.columns + column)
                 .copied()
                 .unwrap_or(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_vision::media::Picture;
+
+    #[test]
+    fn a_crowd_is_uneven_and_a_floor_is_not() {
+        let size = ImageSize::new(960, 540);
+        // Noise above, one colour below.
+        let pixels = (0..size.width * size.height).flat_map(|pixel: u32| {
+            let is_crowd = pixel / size.width < 270;
+            let noise = (pixel.wrapping_mul(2_654_435_761) >> 24) as u8;
+            let grey = if is_crowd { noise } else { 150 };
+            [grey, grey, grey, 255]
+        });
+        let picture = Picture::new(size, pixels.collect()).unwrap();
+        let even = EvenAreas::detect(&GroundPicture::new(&picture, &[]));
+        let share = |from: f64, to: f64| {
+            even.share_between(ImagePoint::new(400.0, from), ImagePoint::new(500.0, to))
+        };
+        assert_eq!([share(20.0, 240.0), share(300.0, 520.0)], [0.0, 1.0]);
+        assert!((share(0.0, 540.0) - 0.5).abs() < 0.1);
+        // Outside the picture nothing is seen.
+        assert_eq!(share(600.0, 900.0), 0.0);
+    }
+
+    #[test]
+    fn a_picture_without_pixels_is_nowhere_even() {
+        let none = Picture::with_colour(ImageSize::new(0, 0), [0, 0, 0, 255]);
+        let even = EvenAreas::detect(&GroundPicture::new(&none, &[]));
+        let at = ImagePoint::new(0.0, 0.0);
+        assert_eq!(even.share_between(at, at), 0.0);
     }
 }

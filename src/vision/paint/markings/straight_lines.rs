@@ -342,6 +342,40 @@ mod tests {
         assert!(lines.len() <= 14, "{lines:?}");
     }
 
+    /// The tones of the lines of a picture whose brightness follows from the distance right of a
+    /// steep line, px.
+    fn tones(grey: impl Fn(f64, u32) -> u8) -> Vec<Tone> {
+        let size = ImageSize::new(640, 360);
+        let pixels = (0..size.width * size.height).flat_map(|pixel| {
+            let (x, y) = (pixel % size.width, pixel / size.width);
+            let right_px = f64::from(x) - 300.0 - 0.2 * f64::from(y);
+            let grey = grey(right_px, pixel);
+            [grey, grey, grey, 255]
+        });
+        let picture = Picture::new(size, pixels.collect()).unwrap();
+        let lines = straight_lines(&GroundPicture::new(&picture, &[]));
+        lines.iter().map(|line| line.tone).collect()
+    }
+
+    #[test]
+    fn a_dark_line_and_the_border_of_two_areas_are_lines_and_have_no_edges() {
+        let dark = |right_px: f64, _| if right_px.abs() < 1.5 { 60 } else { 150 };
+        assert_eq!(tones(dark), [Tone::Dark]);
+        let bright = |right_px: f64, _| if right_px.abs() < 1.5 { 240 } else { 150 };
+        assert_eq!(tones(bright), [Tone::Bright]);
+        let border = |right_px: f64, _| if right_px < 0.0 { 60 } else { 150 };
+        assert_eq!(tones(border), [Tone::Border]);
+        // A crowd on one side is no area.
+        let crowd = |right_px: f64, pixel: u32| {
+            if right_px < 0.0 {
+                (pixel.wrapping_mul(2_654_435_761) >> 24) as u8
+            } else {
+                150
+            }
+        };
+        assert_eq!(tones(crowd), []);
+    }
+
     #[test]
     fn what_is_masked_has_no_lines() {
         let [width, height] = [SIZE.width, SIZE.height].map(f64::from);

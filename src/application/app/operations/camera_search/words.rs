@@ -79,7 +79,9 @@ fn missing_view(why: &Abstention) -> String {
             "Add wide frames: the centre circle and both penalty areas".to_owned()
         }
         Abstention::Uncertain { doubts, .. } => view_missing(doubts),
-        Abstention::NoCourt => "Check the field's sport, add pictures that show more of it".to_owned(),
+        Abstention::NoCourt => {
+            "Check the field's sport, add pictures that show more of it".to_owned()
+        }
         _ => "Check that the field's sport is the one in the pictures".to_owned(),
     }
 }
