@@ -87,20 +87,15 @@ impl Weighed {
             && self.evidence.contradicted_share() <= MAX_CONTRADICTED
     }
 
-    /// Whether its evidence decides, where `others` have theirs.
-    fn leads_by_evidence<'a>(&self, mut others: impl Iterator<Item = &'a Self>) -> bool {
-        let nats = self.evidence.nats();
-        nats >= MIN_NATS_ALONE
+    /// Whether its evidence decides, where the next best by it is `next`.
+    fn leads_by_evidence(&self, next: Option<&Self>) -> bool {
+        let next = next.map_or(0.0, |next| next.evidence.nats());
+        self.evidence.nats() >= MIN_NATS_ALONE.max(MIN_LEAD_IN_NATS * next)
             && self.evidence.contradicted_share() <= MAX_CONTRADICTED
-            && others.all(|other| {
-                nats >= MIN_LEAD_IN_NATS * other.evidence.nats()
-                    || other.evidence.contradicted_share() > MAX_CONTRADICTED_OF_OTHER
-            })
     }
 }
 
-/// The camera that explains a picture best, with a lens; none where too few
-/// lines are shown.
+/// The camera with a lens that explains a picture best; none where too few lines are shown.
 pub fn camera_of_picture(
     frame: &CourtFrame,
     field: &FieldModel,
@@ -117,23 +112,22 @@ pub fn camera_of_picture(
     let mut weighed = weigh_on_paint(cameras_on_lines(&shown), &shown, frame);
     weighed.sort_by(|a, b| b.agreement.score().total_cmp(&a.agreement.score()));
     let by_lines = weighed.first()?;
-    let (best, is_decided) = if by_lines.leads_by_lines(weighed.get(1)) {
-        (by_lines, true)
+    let mut by_evidence: Vec<&Weighed> = weighed
+        .iter()
+        .filter(|one| one.evidence.contradicted_share() <= MAX_CONTRADICTED_OF_OTHER)
+        .collect();
+    by_evidence.sort_by(|a, b| b.evidence.nats().total_cmp(&a.evidence.nats()));
+    let decided = if by_lines.leads_by_lines(weighed.get(1)) {
+        Some(by_lines)
     } else {
-        let by_evidence = weighed.iter().enumerate().find(|(number, one)| {
-            let others = weighed.iter().enumerate();
-            one.leads_by_evidence(
-                others
-                    .filter(|(other, _)| other != number)
-                    .map(|(_, other)| other),
-            )
-        });
-        by_evidence.map_or((by_lines, false), |(_, found)| (found, true))
+        let first = by_evidence.first().copied();
+        first.filter(|best| best.leads_by_evidence(by_evidence.get(1).copied()))
     };
+    let best = decided.unwrap_or(by_lines);
     Some(PictureCamera {
         camera: usual_of_two(&best.camera, field),
         nats: best.evidence.nats(),
-        is_decided,
+        is_decided: decided.is_some(),
     })
 }
 
