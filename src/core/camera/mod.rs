@@ -8,6 +8,7 @@
 
 mod base;
 mod base_sigma;
+mod distance;
 mod distortion;
 mod jacobian;
 mod projection;
@@ -25,8 +26,9 @@ pub use stated_lens::{StatedLens, StatedRadial};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
+    distance::{AngularDistance, image_space_distances_px},
     distortion::undistort,
-    projection::{AngularDistance, MIN_DEPTH, image_space_distances_px},
+    projection::MIN_DEPTH,
 };
 
 use crate::geometry::rotation::{angle_between_directions, q_pan, q_tilt};

@@ -30,8 +30,8 @@
 //! moved; otherwise nothing is reported.
 
 use super::Features;
+use super::grid::join_touching_cells;
 use super::reduced::{ReducedPicture, Slope};
-use super::spread::join_touching_cells;
 use super::standing::{FeatureGrid, standing_pair};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};

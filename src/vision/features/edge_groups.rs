@@ -1,8 +1,8 @@
 //! Groups of static edges that lie together on the screen, and whether such a group is a graphic.
 
 use super::burnt_in::StaticEdge;
+use super::grid::join_touching_cells;
 use super::reduced::EdgeKind;
-use super::spread::join_touching_cells;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Side of the cells by which edges are joined, px of the reduced picture.

@@ -29,6 +29,7 @@ mod descriptor;
 mod displaced;
 mod edge_groups;
 mod extract;
+mod grid;
 mod options;
 mod reduced;
 #[cfg(feature = "opencv")]
@@ -42,8 +43,8 @@ pub use cache::{FeatureCache, FeatureKey};
 pub use descriptor::{DESCRIPTOR_BYTES, Descriptor, Features, Keypoint};
 pub(crate) use descriptor::{MAX_MATCH_SQUARED_DISTANCE, Sketch};
 pub use extract::extract;
+pub(crate) use grid::{cell_in_grid, count_cells};
 pub use options::{Detector, FeatureOptions};
-pub(crate) use spread::{cell_in_grid, count_cells};
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]

@@ -8,8 +8,8 @@
 use super::Features;
 use super::descriptor::MAX_MATCH_SQUARED_DISTANCE;
 use super::displaced::CoarsePicture;
+use super::grid::cell_in_grid;
 use super::reduced::{EdgeKind, ReducedPicture, count_edges};
-use super::spread::cell_in_grid;
 use rayon::prelude::*;
 use std::ops::Range;
 use touchline_core::geometry::{ImagePoint, ImageSize};

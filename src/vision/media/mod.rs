@@ -21,6 +21,7 @@ mod digest;
 mod error;
 mod grey;
 mod image_file;
+mod jpeg_end;
 mod notice;
 mod picture;
 mod prefetch;

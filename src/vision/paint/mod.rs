@@ -59,5 +59,5 @@ pub use {
     markings::marking_pixels::{MarkingPixel, MarkingPixels, PixelContent, Tone},
     markings::persistent::{GroundDirections, PersistentPoint, persistent_paint},
     markings::straight_lines::{StraightLine, straight_lines},
-    ridges::ridge::LineContrast,
+    ridges::contrast::LineContrast,
 };

@@ -1,6 +1,6 @@
 //! Relocalization: from the features of a picture to its camera.
 
-use super::pose::NotFound;
+use super::not_found::NotFound;
 use super::{
     CERTAIN, Forest, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_of_moving,
 };

@@ -16,6 +16,7 @@ mod labels;
 mod matches;
 mod model;
 mod nearest_references;
+mod not_found;
 mod pose;
 mod reference_pairs;
 mod standing;
@@ -29,7 +30,8 @@ pub use forest::{
     TrainOptions, TrainProgress, train,
 };
 pub use model::{CameraForest, CertainAnswerCounts, ForestModel, SeenRange};
-pub use pose::{NotFound, Pose};
+pub use not_found::NotFound;
+pub use pose::Pose;
 pub use reference_pairs::Reference;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]

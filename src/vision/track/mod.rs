@@ -13,7 +13,8 @@
 //!
 //! # Files
 //!
-//! * Matching: `pairs.rs` (two frames), `cycles.rs` (pairs against each other).
+//! * Matching: `pairs.rs` (two frames, with `descriptor_matches.rs` and `homography.rs`), `cycles.rs`
+//!   (pairs against each other).
 //! * Without a base: `relative_rotations.rs` from a start by `start.rs`, with the problem in
 //!   `edge_problem.rs`, its residual in `edge_residual.rs`.
 //! * With a base: `pose_problem.rs` states the problem of `matched_frames.rs` and of
@@ -31,9 +32,11 @@
 mod clip;
 mod cuts;
 mod cycles;
+mod descriptor_matches;
 mod edge_problem;
 mod edge_residual;
 mod envelope;
+mod homography;
 mod matched_frames;
 mod pairs;
 mod pose_equations;

@@ -7,14 +7,13 @@
 mod course;
 mod errors;
 mod targets;
+mod thinning;
 
 pub use crate::app::window_state::choices::{QualityChoice, TimeAxis};
-pub use course::{
-    Column, Course, CoursePoint, PointKind, Quantity, SpanMarks, thin_points, within_whole,
-    zoom_span,
-};
+pub use course::{Course, CoursePoint, PointKind, Quantity, within_whole, zoom_span};
 pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
 pub use targets::{TargetErrors, by_target};
+pub use thinning::{Column, SpanMarks, thin_points};
 
 use super::OpenProject;
 use crate::app::window_state::session::Session;

@@ -373,7 +373,8 @@ impl DisplacedBase {
             .try_inverse()
             .unwrap_or_else(variance);
         // What is kept is not exact: position and rotation change by −H⁻¹ B per unit of its error,
-        // with their information H and its coupling B (a "considered" parameter, see `adjust.rs`).
+        // with their information H and its coupling B (a "considered" parameter, see
+        // `covariance.rs`).
         let mut kept = self.shared.base.sigma.covariance();
         let is_kept = std::array::from_fn(|parameter| parameter >= MOVED);
         clear_fixed(&mut kept, &is_kept);

@@ -7,10 +7,11 @@
 //! sizes, whatever the template's expressions are. Where the landmarks do not move linearly, the
 //! fit is repeated at the size found.
 
-use super::adjust::{UsualView, starting};
+use super::adjust::starting;
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
+use super::priors::UsualView;
 use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
 use crate::camera::{CameraBase, Ptz};

@@ -19,9 +19,9 @@
 //!    Gauss–Newton. Frames are coupled only through the shared parameters, so their own three
 //!    parameters are eliminated first (Schur complement; Triggs and others: "Bundle Adjustment – A
 //!    Modern Synthesis", 2000, section 6). A robust loss reduces the weight of wrong clicks.
-//! 3. **Priors** (`shared_prior.rs`). Heads are levelled along and across the direction in which
-//!    they see the field; k₁ follows the focal length as measured on twenty broadcast lenses; the
-//!    principal point lies within ±40 px of the middle at 1920 px width.
+//! 3. **Priors** (`priors.rs`, `shared_prior.rs`). Heads are levelled along and across the
+//!    direction in which they see the field; k₁ follows the focal length as measured on twenty
+//!    broadcast lenses; the principal point lies within ±40 px of the middle at 1920 px width.
 //! 4. **Model choice** (`cross_validation.rs`, `model.rs`). Four lens models, each on a
 //!    level and a crowned pitch, are compared by five-fold cross-validation: frames are held out,
 //!    each is refined on one half of its clicks and evaluated on the other. A richer model has to
@@ -37,7 +37,8 @@
 //! that cancel in a picture still cancel:
 //!
 //! * landmarks are displaced equally in all frames (`scatter.rs`: a random effect per landmark);
-//! * lens, crown and principal point that a model fixes are uncertain by their priors (`adjust.rs`);
+//! * lens, crown and principal point that a model fixes are uncertain by their priors
+//!   (`covariance.rs`);
 //! * errors that frames have in common and no model describes show when groups of frames are held
 //!   out (the jackknife of `cross_validation.rs`).
 //!
@@ -52,10 +53,11 @@
 //! `tests/benches/base.md`: simulated cameras with all parameters drawn from their priors
 //! (`base_coverage`), twelve measured broadcast lenses (`lenses`), clicked matches.
 
-pub(super) mod adjust;
+mod adjust;
 pub(super) mod base_click;
 pub(super) mod bundle;
 mod change;
+mod covariance;
 mod cross_validation;
 mod disputes;
 mod estimate;
@@ -64,13 +66,14 @@ mod model;
 mod one_more;
 pub(super) mod parameters;
 mod pixel_aspect;
+pub(super) mod priors;
 mod scatter;
 mod shared_place;
 pub(super) mod shared_prior;
 mod start;
 mod summary;
 
-pub use adjust::{AdjustOptions, BasePriors};
+pub use adjust::AdjustOptions;
 pub use cross_validation::{HeldOutErrors, ModelReason, ModelScore};
 pub use disputes::{DisputedClick, MirroredFrame};
 pub use estimate::{BaseOptions, estimate_base};
@@ -78,6 +81,7 @@ pub use field_fit::FittedSize;
 pub use model::{BaseModel, CrownModel, LensModel, Prescribed};
 pub use one_more::{BesideFrames, OneMoreFrame};
 pub use pixel_aspect::PixelAspect;
+pub use priors::BasePriors;
 pub use shared_place::SharedPlace;
 pub use summary::{BaseEstimate, FrameFit};
 // For the crates above alone: no promise to other programs.

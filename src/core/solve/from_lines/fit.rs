@@ -10,10 +10,10 @@ use super::{FromLinesOptions, LinePicture};
 use crate::camera::{CameraBase, Ptz, PtzCamera, SharedCovariance};
 use crate::field::Crown;
 use crate::geometry::Angle;
-use crate::solve::base::adjust::{UsualView, direction_to_field};
 use crate::solve::base::base_click::BaseClick;
 use crate::solve::base::bundle::frame_equations;
 use crate::solve::base::parameters::{OF_BASE, Shared, clear_fixed, free_parameters};
+use crate::solve::base::priors::{UsualView, direction_to_field};
 use crate::solve::base::shared_prior::SharedPrior;
 use crate::solve::base::{BaseModel, LensModel};
 use crate::solve::optimiser::least_squares::{

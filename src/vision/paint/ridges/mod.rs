@@ -4,6 +4,7 @@
 //! decided in `camera_alignment`.
 
 mod colours;
+pub mod contrast;
 mod floor_ridge;
 pub mod profile;
 pub mod ridge;

@@ -5,6 +5,7 @@
 //! When the user corrects and accepts one of the frames, the clip is tracked again; the points that
 //! were followed the first time are reused.
 
+mod corrections;
 mod suggestions;
 mod tracking;
 

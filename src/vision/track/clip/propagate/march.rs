@@ -7,7 +7,8 @@
 
 use super::super::super::pose_problem::apply_offset;
 use super::super::{ClipCamera, PointTrack, PointTracks};
-use super::{Correspondence, KnownFocal, OneFrame, PropagateOptions, PropagationStop};
+use super::one_frame::{Correspondence, KnownFocal, OneFrame};
+use super::{PropagateOptions, PropagationStop};
 use crate::features::count_cells;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3, median};
