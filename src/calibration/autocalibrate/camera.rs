@@ -150,8 +150,8 @@ impl<'a> Search<'a> {
     /// The answer for a court, by the lines of single pictures. None for larger fields, where these
     /// are not decisive, where a click contradicts what was found, and where clicks may lead on.
     ///
-    /// Where the pictures of a court do not decide one by one, neither does their panorama: seams of
-    /// floors and boards are most of its paint, and of no clip of a court it has given a camera.
+    /// Where the pictures of a court do not decide one by one, neither does their panorama: seams
+    /// and boards are most of its paint, and of no clip of a court it has given a camera.
     fn find_court(
         &self,
         picture: PictureOfFrame<'_>,
@@ -167,20 +167,20 @@ impl<'a> Search<'a> {
             picture,
             self.progress,
         )?;
-        Ok(match answer {
+        match answer {
             CourtAnswer::Found(found) => {
                 let frames = &self.searched.document.document.frames;
-                contradicting_click(&found, &self.clicks, frames)
+                let contradicted = contradicting_click(&found, &self.clicks, frames);
+                Ok(contradicted
                     .is_none()
-                    .then(|| AutocalibrationAnswer::Found(found))
+                    .then_some(AutocalibrationAnswer::Found(found)))
             }
-            CourtAnswer::NotFound(clicks) => {
-                (self.clicks.len() < MIN_CLICKS).then(|| AutocalibrationAnswer::Abstained {
-                    why: Abstention::NoCourt,
-                    clicks,
-                })
-            }
-        })
+            CourtAnswer::NotFound(_) if self.clicks.len() >= MIN_CLICKS => Ok(None),
+            CourtAnswer::NotFound(clicks) => Ok(Some(AutocalibrationAnswer::Abstained {
+                why: Abstention::NoCourt,
+                clicks,
+            })),
+        }
     }
 
     /// The matched frames with the lens that the document states of the camera.

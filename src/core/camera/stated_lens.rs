@@ -1,4 +1,4 @@
-//! The lens of a camera as somebody states it before anything of the camera is found: the prior of
+//! The lens of a camera as it is stated before anything of the camera is found: the prior of
 //! every search and of every start.
 
 use super::{BaseSigma, FocalCurve};

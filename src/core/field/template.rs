@@ -45,15 +45,15 @@ pub struct Param {
     pub min: f64,
     /// The largest.
     pub max: f64,
-    /// Whether fields differ in it where nobody says so. A league's courts do not, although a school
-    /// may state another.
+    /// Whether fields differ in it without a word in the document. The courts of a league do not,
+    /// although a school may state another value.
     pub varies: bool,
     /// The source of the range.
     pub source: String,
 }
 
 impl Param {
-    /// Whether a field of which nobody states it may have another value than the default.
+    /// Whether a field may have another value than the default where none is stated.
     pub fn is_open(&self) -> bool {
         self.varies && self.min < self.max
     }

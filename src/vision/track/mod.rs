@@ -13,7 +13,7 @@
 //!
 //! # Files
 //!
-//! * Matching: `pairs.rs` (two frames, with `descriptor_matches.rs` and `homography.rs`), `cycles.rs`
+//! * Matching: `pairs.rs` (two frames, with `descriptor_matches.rs`, `homography.rs`), `cycles.rs`
 //!   (pairs against each other).
 //! * Without a base: `relative_rotations.rs` from a start by `start.rs`, with the problem in
 //!   `edge_problem.rs`, its residual in `edge_residual.rs`.

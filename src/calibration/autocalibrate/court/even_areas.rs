@@ -2,7 +2,7 @@
 //!
 //! That a line is not shown says something only there.
 
-use touchline_core::geometry::{ImagePoint, ImageSize};
+use touchline_core::geometry::ImagePoint;
 use touchline_vision::paint::GroundPicture;
 
 /// Side of a block, px at 1920 px width.
@@ -18,31 +18,25 @@ const PLACES: u32 = 12;
 
 /// The even blocks of a picture.
 pub struct EvenAreas {
-    block_px: f64,
+    block_px: usize,
     columns: usize,
     is_even: Vec<bool>,
 }
 
 impl EvenAreas {
     pub fn detect(ground: &GroundPicture) -> Self {
-        let size: ImageSize = ground.size();
-        let block_px = (BLOCK_PX * size.scale_from_1920()).max(4.0);
-        let blocks = |side: u32| (f64::from(side) / block_px).ceil() as usize;
-        let (columns, rows) = (blocks(size.width), blocks(size.height));
+        let grey = ground.grey();
+        let [width, height] = [grey.size.width, grey.size.height].map(|side| side as usize);
+        let block_px = (BLOCK_PX * grey.size.scale_from_1920()).max(4.0) as usize;
+        let (columns, rows) = (width.div_ceil(block_px), height.div_ceil(block_px));
         let mut sums = vec![(0.0, 0.0); columns * rows];
-        for y in (1..size.height.saturating_sub(1)).step_by(2) {
-            for x in (1..size.width.saturating_sub(1)).step_by(2) {
-                let grey = |dx: f64, dy: f64| {
-                    ground.grey().at(ImagePoint::new(
-                        f64::from(x) + 0.5 + dx,
-                        f64::from(y) + 0.5 + dy,
-                    ))
-                };
-                let slope = 0.5
-                    * (grey(1.0, 0.0) - grey(-1.0, 0.0)).hypot(grey(0.0, 1.0) - grey(0.0, -1.0));
-                let block = |at: u32| (f64::from(at) / block_px) as usize;
-                let (sum, count) = &mut sums[block(y) * columns + block(x)];
-                *sum += slope;
+        for y in (1..height.saturating_sub(1)).step_by(2) {
+            for x in (1..width.saturating_sub(1)).step_by(2) {
+                let at = y * width + x;
+                let [left, right, above, below] =
+                    [at - 1, at + 1, at - width, at + width].map(|at| f64::from(grey.values[at]));
+                let (sum, count) = &mut sums[y / block_px * columns + x / block_px];
+                *sum += 0.5 * (right - left).hypot(below - above);
                 *count += 1.0;
             }
         }
@@ -67,7 +61,7 @@ impl EvenAreas {
     }
 
     fn is_even_at(&self, at: ImagePoint) -> bool {
-        let [column, row] = [at.x, at.y].map(|at| (at / self.block_px) as usize);
+        let [column, row] = [at.x, at.y].map(|at| at as usize / self.block_px);
         column < self.columns
             && self
                 .is_even
@@ -80,6 +74,7 @@ impl EvenAreas {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use touchline_core::geometry::ImageSize;
     use touchline_vision::media::Picture;
 
     #[test]

@@ -52,11 +52,8 @@ pub fn search_court(
         document, camera, ..
     } = searched;
     let chosen = spread_over_shots(document.document, of_camera, MAX_PICTURES);
-    let looking = |done| AutocalibrationProgress::Looking {
-        done,
-        of: chosen.len(),
-    };
-    report(progress, looking(0))?;
+    let of = chosen.len();
+    report(progress, AutocalibrationProgress::Looking { done: 0, of })?;
     let mut pictures = read_pictures(&chosen, picture);
     // Pictures of another size are another camera's.
     let Some(size) = pictures.first().map(|(_, picture)| picture.size()) else {
@@ -77,18 +74,17 @@ pub fn search_court(
     let stated = stated.map(Camera::stated_lens).unwrap_or_default();
     let mut best: Option<AutocalibratedCamera> = None;
     for lens in tried_lenses(stated, size) {
-        report(progress, looking(frames.len()))?;
+        report(progress, AutocalibrationProgress::Looking { done: of, of })?;
         let found = find_court_camera(&frames, field, lens);
         if found.is_some() && !lens.is_guess {
             best = found;
             break;
         }
         // Half a step beside the truth, all lines lie on paint as well, but less well.
-        let nats = |camera: &AutocalibratedCamera| camera.evidence.nats;
         best = best
             .into_iter()
             .chain(found)
-            .max_by(|a, b| nats(a).total_cmp(&nats(b)));
+            .max_by(|a, b| a.evidence.nats.total_cmp(&b.evidence.nats));
     }
     if let Some(found) = best {
         return Ok(CourtAnswer::Found(Box::new(found)));
@@ -141,7 +137,7 @@ mod tests {
         assert_eq!(num_lenses(1440, 1080, 720.0), 1);
         assert_eq!(num_lenses(540, 960, 270.0), 1);
         assert_eq!(num_lenses(1280, 640, 640.0), 5);
-        // Somebody knows it.
+        // It is stated.
         assert_eq!(num_lenses(1280, 640, 648.0), 1);
     }
 }

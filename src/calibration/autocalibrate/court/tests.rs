@@ -30,10 +30,7 @@ fn find(frames: &[CourtFrame], field: &FieldModel) -> Option<AutocalibratedCamer
     find_court_camera(frames, field, TriedLens::default())
 }
 
-/// Every line is white.
-fn white(_: &str) -> Option<[u8; 4]> {
-    Some([235, 236, 238, 255])
-}
+const WHITE: [u8; 4] = [235, 236, 238, 255];
 
 /// A court of one colour in a surround of another, with its lines in the colours that `paint_of`
 /// gives their ids; none where there is but the border of the court.
@@ -72,7 +69,10 @@ fn draw(field: &FieldModel, camera: &PtzCamera, paint_of: fn(&str) -> Option<[u8
 
 fn frames(field: &FieldModel, cameras: &[PtzCamera]) -> Vec<CourtFrame> {
     let frame = |(index, camera): (usize, &PtzCamera)| {
-        CourtFrame::new(index, GroundPicture::new(&draw(field, camera, white), &[]))
+        CourtFrame::new(
+            index,
+            GroundPicture::new(&draw(field, camera, |_| Some(WHITE)), &[]),
+        )
     };
     cameras.iter().enumerate().map(frame).collect()
 }
@@ -136,8 +136,8 @@ fn a_court_with_dark_lines_and_bare_boundaries_is_found() {
     let basketball = field("basketball_nba");
     let paint_of = |id: &str| match id {
         id if id.starts_with("sideline") || id.starts_with("end_line") => None,
-        id if id.contains("three_point") => Some([30, 24, 60, 255]),
-        id => white(id),
+        id if id.starts_with("three_point") => Some([30, 24, 60, 255]),
+        _ => Some(WHITE),
     };
     let base = turned_base([-1.0, -36.0, 12.0], [0.0, 0.0, 0.0], SIZE);
     let cameras = [-12.0, -10.0]

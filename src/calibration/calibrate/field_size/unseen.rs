@@ -160,8 +160,8 @@ impl UnseenSize {
             };
             let mut moves: Vec<Vec<f64>> = vec![Vec::new(); shown.len()];
             for sample in telling_samples(field, camera, *image, self.axis) {
-                let is_told = clicked.as_ref().is_none_or(|lines| lines[sample.line]);
-                if is_told && is_inside(sample.at - reach) && is_inside(sample.at + reach) {
+                let is_shown = clicked.as_ref().is_none_or(|lines| lines[sample.line]);
+                if is_shown && is_inside(sample.at - reach) && is_inside(sample.at + reach) {
                     moves[sample.line].push(sample.px_per_m / image.scale_from_1920());
                 }
             }

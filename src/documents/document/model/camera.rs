@@ -278,7 +278,7 @@ impl Camera {
         }
     }
 
-    /// The lens as somebody stated it. The middle of the picture stands for an unknown principal
+    /// The lens as it is stated. The middle of the picture stands for an unknown principal
     /// point; the distortion beside a base is a result, and no prior of the next one.
     pub fn stated_lens(&self) -> StatedLens {
         let centre = self.image_size.centre();

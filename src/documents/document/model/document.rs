@@ -185,7 +185,7 @@ impl Document {
         self.camera(&frame.camera)
     }
 
-    /// The lens of a frame as somebody stated it: the frame's own, or that of its camera.
+    /// The lens of a frame as it is stated: the frame's own, or that of its camera.
     pub fn stated_lens(&self, frame: &Frame) -> StatedLens {
         let own = frame.lens.as_ref().map(FrameLens::stated_lens);
         let of_camera = || self.camera_of(frame).map(Camera::stated_lens);

@@ -58,7 +58,7 @@ pub fn name_tracks(frames: &mut [FrameCamera], path: &Path) -> usize {
         .iter()
         .any(|(number, camera)| *first_cameras.entry(*number).or_insert(*camera) != *camera);
     let count = numbered.len();
-    // A name with an ending is that of a file, which nobody has named (`places::names_video`).
+    // A name with an ending is that of a file, which has no name of its own (`places::names_video`).
     let plain = |name: &str| name.replace('.', "_");
     let track = plain(&file_stem(&path.to_string_lossy()));
     for frame in frames {

@@ -97,8 +97,8 @@ impl StraightLine {
 /// A ridge: its centre and the unit vector across it.
 type Ridge = (ImagePoint, Vec2);
 
-/// The long straight lines of a picture: bright ones, then dark ones, then borders of areas, of each
-/// those with the most ridges first. The borders of a crowd are longer than lines, so length is no
+/// The long straight lines of a picture: bright ones, then dark ones, then borders of areas, of
+/// each those with the most ridges first. The borders of a crowd are longer than lines, so length is no
 /// reason to prefer one.
 pub fn straight_lines(ground: &GroundPicture) -> Vec<StraightLine> {
     let mut lines = Vec::new();

@@ -192,37 +192,42 @@ fn border_at(grey: &GreyPicture, smooth: &[f32], x: usize, y: usize) -> Option<C
     if x < 2 || y < 2 || x + 2 >= width || y + 2 >= height {
         return None;
     }
-    let gradient = |x: usize, y: usize| {
-        let at = |x: usize, y: usize| f64::from(smooth[y * width + x]);
-        0.5 * Vec2::new(at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1))
-    };
-    let steepest = gradient(x, y);
+    let steepest = gradient(smooth, y * width + x, width);
     let slope = steepest.norm();
     if slope < MIN_SLOPE {
         return None;
     }
     // Against the neighbours along the gradient; a parabola gives the place between them.
     let normal = steepest / slope;
-    let slope_at = |step: f64| {
-        let [x, y] = [x as f64 + step * normal.x, y as f64 + step * normal.y];
-        gradient(x.round() as usize, y.round() as usize).dot(&normal)
-    };
-    let (before, behind) = (slope_at(-1.0), slope_at(1.0));
+    let [before, behind] = [-1.0, 1.0].map(|step| {
+        let [x, y] = [x as f64 + step * normal.x, y as f64 + step * normal.y].map(f64::round);
+        gradient(smooth, y as usize * width + x as usize, width).dot(&normal)
+    });
     if before > slope || behind >= slope {
         return None;
     }
     let beside_px = 0.5 * (behind - before) / (2.0 * slope - before - behind);
     let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).translate(normal * beside_px);
-    let level = |across: f64| grey.at(at.translate(normal * across));
     let [near, far] = BORDER_SIDES_PX;
-    let step = level(near) - level(-near);
-    let changes = [near, -near].map(|side| (level(side * far / near) - level(side)).abs());
-    let is_border = step >= MIN_STEP && changes.iter().all(|px| *px <= MAX_UNEVEN * step);
+    let [darker_far, darker, brighter, brighter_far] =
+        [-far, -near, near, far].map(|across| grey.at(at.translate(normal * across)));
+    let step = brighter - darker;
+    let uneven = (brighter_far - brighter)
+        .abs()
+        .max((darker_far - darker).abs());
+    let is_border = step >= MIN_STEP && uneven <= MAX_UNEVEN * step;
     is_border.then_some(Crest {
         at,
         normal,
         side_px: near,
     })
+}
+
+/// The gradient of the blurred brightness in a pixel that is not at the border, grey levels / px.
+fn gradient(smooth: &[f32], index: usize, width: usize) -> Vec2 {
+    let across = smooth[index + 1] - smooth[index - 1];
+    let down = smooth[index + width] - smooth[index - width];
+    0.5 * Vec2::new(f64::from(across), f64::from(down))
 }
 
 /// The normal of a ridge at a pixel, and the signed distance from the pixel's centre along it to
