@@ -1,5 +1,5 @@
-//! Reads what SoccerNet's files say of pictures: points of lines by their class, and boxes of people
-//! and the ball.
+//! Reads what SoccerNet's files say of pictures: points of lines by their class, and boxes of
+//! people and the ball.
 //!
 //! Besides the files of one picture there are two of many: `Labels-GameState.json` of a clip of the
 //! game state challenge, with shares of the picture, and `Labels-v3.json` of a match of
