@@ -60,8 +60,10 @@ impl ManyPictures {
     }
 
     fn of_keys(value: &Value) -> Option<Self> {
-        let is_object = |key: &&str| value.get(*key).is_some_and(Value::is_object);
-        KEYS_OF_MATCH.iter().all(is_object).then_some(Self::Match)
+        KEYS_OF_MATCH
+            .iter()
+            .all(|key| value.get(key).is_some_and(Value::is_object))
+            .then_some(Self::Match)
     }
 
     /// The pictures of a file. One that is damaged is added to `unread`.

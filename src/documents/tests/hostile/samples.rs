@@ -217,13 +217,15 @@ const GAME_STATE: &str = r#"{"info":{"im_dir":"img1"},
   {"image_id":"1","lines":{"Middle line":[{"x":0.5,"y":0.25}]}}]}
 "#;
 
-const LABELS_V3: &str = r#"{"GameMetadata":{"UrlLocal":"league/2014-2015/match","list_actions":["0.png"]},
- "actions":{"0.png":{"imageMetadata":{"width":1920,"height":1080,"gameTime":"1 - 02:00"},"linked_replays":["0_1.png"],
-  "bboxes":[{"class":"Player team left","ID":"7","points":{"x1":100.5,"y1":200,"x2":140,"y2":290}},
+const LABELS_V3: &str = r#"{"GameMetadata":{"UrlLocal":"league/match","list_actions":["0.png"]},
+ "actions":{"0.png":{"imageMetadata":{"width":1920,"height":1080,"gameTime":"1 - 02:00"},
+  "bboxes":[{"class":"Ball","ID":"7","points":{"x1":100.5,"y1":200,"x2":140,"y2":290}},
    {"class":null,"ID":null,"points":{"x1":1,"y1":2,"x2":3,"y2":4}}],
-  "lines":[{"class":"Middle line","points":[960.25,270,970,800]},{"class":null,"points":[]}]}},
- "replays":{"0_1.png":{"imageMetadata":{"width":1920,"height":1080},"linked_action":"0.png","bboxes":[],
-  "lines":[{"class":"Circle central","points":[700,500,720,520,760,530]}]}}}
+  "lines":[{"class":"Middle line","points":[960.25,270,970,800]},{"class":null,"points":[]}],
+  "linked_replays":["0_1.png"]}},
+ "replays":{"0_1.png":{"imageMetadata":{"width":1920,"height":1080},"bboxes":[],
+  "lines":[{"class":"Circle central","points":[700,500,720,520,760,530]}],
+  "linked_action":"0.png"}}}
 "#;
 
 const HOMOGRAPHIES: &str = "image,homography
