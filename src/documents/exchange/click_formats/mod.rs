@@ -12,4 +12,5 @@ pub mod labels;
 pub mod point_sigma;
 pub mod points_table;
 pub mod soccernet_lines;
+pub mod soccernet_pictures;
 pub mod yolo_pose;

@@ -7,36 +7,28 @@
 //! SoccerNet/sn-gamestate.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, UnreadLabels,
+    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, UnreadLabels,
     size_or_option,
 };
 use super::coco::range_of;
 use super::labels::SOCCERNET_LINES;
+use super::soccernet_pictures::{ManyPictures, marks_of_shares};
 use crate::document::{Click, Target};
 use crate::exchange::cameras::camera_format::has_ending;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, base_name, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
 use crate::exchange::options::LabelMap;
-use crate::exchange::syntax::node::{Node, parse, safe_path};
-use crate::exchange::syntax::values::shorten;
+use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
-use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
+use touchline_core::geometry::ImagePoint;
 
 /// The format.
 pub struct SoccerNetLines;
 
-/// The file of the game state challenge with everything about a clip.
-pub const GAME_STATE: &str = "Labels-GameState.json";
-
 /// The beginning of the classes of curves, which have no ends.
 const CIRCLE: &str = "Circle";
-
-/// A point this little beyond the border, as a share of the picture, is on the border. In 400
-/// pictures 148 points lie up to a tenth of a pixel beyond it, and four up to one.
-const BORDER_SHARE: f64 = 1e-3;
 
 /// The class of the line that a click is on.
 fn class_of(click: &Click) -> Option<&'static str> {
@@ -89,117 +81,6 @@ fn sort_along(places: &mut [ImagePoint]) {
     } else {
         places.sort_by(|a, b| a.y.total_cmp(&b.y));
     }
-}
-
-fn read_file(bytes: &[u8], size: ImageSize) -> Result<Vec<Mark>, Problem> {
-    let value = parse(bytes)?;
-    marks_of_lines(&Node::root(&value), size)
-}
-
-/// The marks of lines by their classes.
-fn marks_of_lines(lines: &Node<'_>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
-    let mut marks = Vec::new();
-    for (class, points) in lines.entries()? {
-        for point in points.items()? {
-            let image = ImagePoint::new(
-                share_of_side(&point.key("x")?)? * f64::from(size.width),
-                share_of_side(&point.key("y")?)? * f64::from(size.height),
-            );
-            marks.push(Mark::new(class.to_owned(), image));
-        }
-    }
-    Ok(marks)
-}
-
-/// A coordinate of a point, as a share of the picture's side.
-///
-/// A point on the border is often written a little beyond it. Annotators may also drag points
-/// there, which are kept where they are.
-fn share_of_side(coordinate: &Node<'_>) -> Result<f64, Problem> {
-    let value = coordinate.number()?;
-    if (-BORDER_SHARE..=1.0 + BORDER_SHARE).contains(&value) {
-        return Ok(value.clamp(0.0, 1.0));
-    }
-    // Values far beyond are no shares but pixels.
-    if (-0.5..=1.5).contains(&value) {
-        return Ok(value);
-    }
-    Err(Problem::OutOfRange {
-        what: coordinate.path().to_owned(),
-        value,
-        wanted: "a share of the picture, 0 to 1",
-    })
-}
-
-/// The frames of a file of the game state challenge, which has all pictures of a clip and more than
-/// their lines.
-fn read_game_state(
-    file: &str,
-    bytes: &[u8],
-    with_masks: bool,
-    unread: &mut UnreadLabels,
-) -> Result<Vec<LabelledFrame>, Problem> {
-    let value = parse(bytes)?;
-    let root = Node::root(&value);
-    // The pictures lie in a folder of the clip.
-    let folder = root.find("info").and_then(|info| info.find("im_dir"));
-    let folder = folder.and_then(|folder| folder.value().as_str());
-    let folder = folder.map_or_else(String::new, |folder| format!("{folder}/"));
-    let mut frames: Vec<LabelledFrame> = Vec::new();
-    let mut at: BTreeMap<String, usize> = BTreeMap::new();
-    for image in root.key("images")?.items()? {
-        let name = image.key("file_name")?.text()?;
-        let name = safe_path(&format!("{folder}{name}"))?;
-        at.insert(image.key("image_id")?.text()?.to_owned(), frames.len());
-        frames.push(LabelledFrame {
-            masks: Vec::new(),
-            image: Some(name.clone()),
-            name,
-            size: image.size_at("width", "height")?,
-            marks: Vec::new(),
-        });
-    }
-    for annotation in root.key("annotations")?.items()? {
-        // People and the ball have boxes.
-        let lines = annotation.find("lines");
-        let found = annotation.find("bbox_image").filter(|_| with_masks);
-        if lines.is_none() && found.is_none() {
-            continue;
-        }
-        let id = annotation.key("image_id")?.text()?;
-        let index = *at.get(id).ok_or_else(|| Problem::Unknown {
-            what: "the image of an annotation,",
-            name: shorten(id),
-        })?;
-        let frame = &mut frames[index];
-        if let Some(found) = found {
-            let read = mask_of_box(&found, frame.size);
-            let mask = unread.keep(file, Some(&frame.name), read);
-            frame.masks.extend(mask.flatten());
-        }
-        if let Some(lines) = lines {
-            let read = marks_of_lines(&lines, frame.size);
-            let marks = unread.keep(file, Some(&frame.name), read);
-            frame.marks.extend(marks.unwrap_or_default());
-        }
-    }
-    Ok(frames)
-}
-
-/// The part of a person's box that lies in the picture, px; none where no part does.
-fn mask_of_box(found: &Node<'_>, size: ImageSize) -> Result<Option<PixelBox>, Problem> {
-    let [x, y, width, height] = found.numbers_at(["x", "y", "w", "h"])?;
-    let (left, top) = (x.max(0.0), y.max(0.0));
-    let (right, bottom) = (
-        (x + width).min(f64::from(size.width)),
-        (y + height).min(f64::from(size.height)),
-    );
-    Ok((right > left && bottom > top).then_some(PixelBox {
-        x: left,
-        y: top,
-        width: right - left,
-        height: bottom - top,
-    }))
 }
 
 impl ClickFormat for SoccerNetLines {
@@ -275,12 +156,14 @@ impl ClickFormat for SoccerNetLines {
         unread: &mut UnreadLabels,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         files.read_all(|file, bytes| {
-            if base_name(file) == GAME_STATE {
-                return read_game_state(file, bytes, reading.options.masks, unread);
+            let value = parse(bytes);
+            if let Some(kind) = ManyPictures::of_file(file, value.as_ref().ok()) {
+                return kind.read(file, &Node::root(&value?), reading.options.masks, unread);
             }
             let path = without_ending(file);
             let size = size_or_option(path, (reading.sizes)(path), reading.options)?;
-            let marks = unread.keep(file, None, read_file(bytes, size));
+            let marks = value.and_then(|value| marks_of_shares(&Node::root(&value), size));
+            let marks = unread.keep(file, None, marks);
             let frame = marks.map(|marks| LabelledFrame {
                 masks: Vec::new(),
                 name: path.to_owned(),
@@ -303,7 +186,7 @@ impl ClickFormat for SoccerNetLines {
 
 #[cfg(test)]
 mod tests {
-    use super::super::clicked_frame::{read_alone, read_labels};
+    use super::super::clicked_frame::read_alone;
     use super::*;
     use crate::exchange::export;
     use crate::exchange::options::ImportOptions;
@@ -384,15 +267,6 @@ mod tests {
     }
 
     #[test]
-    fn points_on_the_border_are_inside_the_picture_and_others_beyond_it_stay() {
-        let text = br#"{"Middle line": [{"x": 1.00001, "y": -0.00002}, {"x": 1.004, "y": 0.5}]}"#;
-        let marks = read_file(text, ImageSize::new(960, 540)).unwrap();
-        let at = |mark: &Mark| (mark.image.x, mark.image.y);
-        assert_eq!(at(&marks[0]), (960.0, 0.0));
-        assert_eq!(at(&marks[1]), (963.84, 270.0));
-    }
-
-    #[test]
     fn damaged_files_are_named_in_one_line() {
         for (text, wanted) in [
             ("[]", "the file: an object is expected, found a list of 0"),
@@ -428,61 +302,5 @@ mod tests {
             .to_string();
             assert_eq!(error, format!("a.json: {wanted}"));
         }
-    }
-
-    #[test]
-    fn boxes_of_people_are_masks_where_they_are_asked_for() {
-        let with_box = |x: f64, w: f64| {
-            let found = json!({ "x": x, "y": 5.0, "w": w, "h": 80.0 });
-            json!({ "image_id": "1", "bbox_image": found })
-        };
-        let text = json!({
-            "images": [{ "image_id": "1", "file_name": "1.jpg", "width": 1920, "height": 1080 }],
-            "annotations": [with_box(100.0, 40.0), with_box(-10.0, 30.0), with_box(-50.0, 30.0)],
-        });
-        let files = Files::one(GAME_STATE, text.to_string().into_bytes());
-        let masks = |masks: bool| {
-            let options = ImportOptions {
-                masks,
-                ..ImportOptions::default()
-            };
-            let frames = read_alone(&SoccerNetLines, &files, &options, None).unwrap();
-            let boxes = frames[0].masks.iter();
-            boxes.map(|mask| [mask.x, mask.width]).collect::<Vec<_>>()
-        };
-        assert_eq!(
-            masks(true),
-            [[100.0, 40.0], [0.0, 20.0]],
-            "what is in the picture"
-        );
-        assert!(masks(false).is_empty());
-    }
-
-    #[test]
-    fn a_file_of_the_game_state_challenge_has_the_lines_of_all_pictures() {
-        let text = json!({
-            "info": { "im_dir": "img1" },
-            "images": [
-                { "image_id": "2021000001", "file_name": "000001.jpg", "width": 1920, "height": 1080 },
-                { "image_id": "2021000002", "file_name": "000002.jpg", "width": 1920, "height": 1080 },
-            ],
-            "annotations": [
-                { "image_id": "2021000001", "bbox_image": {} },
-                { "image_id": "2021000001", "lines": { "Middle line": [{ "x": 0.5, "y": 0.25 }] } },
-                { "image_id": "2021000002", "lines": { "Middle line": [{ "x": 7, "y": 0.25 }] } },
-            ],
-            "categories": [],
-        });
-        let files = Files::one(GAME_STATE, text.to_string().into_bytes());
-        let reading = LabelReading {
-            options: &ImportOptions::default(),
-            sizes: &|_| None,
-        };
-        let (frames, unread) = read_labels(&SoccerNetLines, &files, &reading).unwrap();
-        assert_eq!(frames[0].name, "img1/000001.jpg");
-        assert_eq!(frames[0].marks[0].image, ImagePoint::new(960.0, 270.0));
-        let said = unread.describe(1).unwrap();
-        let wanted = "1 of 2 pictures has no labels that can be read: img1/000002.jpg (";
-        assert!(said.starts_with(wanted), "{said}");
     }
 }

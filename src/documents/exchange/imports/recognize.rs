@@ -9,7 +9,7 @@ use super::lookalike::Lookalike;
 use crate::exchange::camera_formats::lens_table::FOCAL_COLUMNS;
 use crate::exchange::click_formats::labels::place_of_label;
 use crate::exchange::click_formats::points_table::COLUMNS as POINT_COLUMNS;
-use crate::exchange::click_formats::soccernet_lines::GAME_STATE;
+use crate::exchange::click_formats::soccernet_pictures::ManyPictures;
 use crate::exchange::error::ExchangeError;
 use crate::exchange::files::{Files, base_name, ending_of, refuse_archive, text};
 use crate::exchange::format::Format;
@@ -221,7 +221,7 @@ fn format_of_json(name: &str, value: &Value) -> Option<Format> {
     if is_by_places(value) {
         return Some(Format::Points);
     }
-    if base_name(name) == GAME_STATE {
+    if ManyPictures::recognize(name, value).is_some() {
         return Some(Format::SoccerNetLines);
     }
     // Many files about pictures have such lists; COCO's pictures have an id.

@@ -1,6 +1,7 @@
 //! What is done to formats of clicks.
 
 use crate::damage::Damage;
+use crate::samples::Sample;
 use touchline_documents::exchange::Format;
 
 pub fn add(damage: &mut Damage) {
@@ -42,6 +43,39 @@ fn soccernet_lines(damage: &mut Damage) {
         format!("{{\"{}\": 1}}", "x".repeat(100_000)),
     );
     damage.options("no-size", |options| options.size = None);
+    let lines = std::mem::replace(&mut damage.sample, Sample::labels_v3());
+    labels_v3(damage);
+    damage.sample = lines;
+}
+
+fn labels_v3(damage: &mut Damage) {
+    damage.bytes("v3-empty", "");
+    damage.bytes("v3-a-list", "[]");
+    damage.bytes(
+        "v3-other-labels",
+        "{\"UrlLocal\": \"a\", \"annotations\": []}",
+    );
+    damage.swap("v3-cut-short", "}}}\n", "");
+    damage.swap(
+        "v3-actions-as-a-list",
+        "\"actions\":{",
+        "\"actions\":[],\"was\":{",
+    );
+    damage.swap("v3-leaves-the-folder", "\"0.png\":{", "\"../../0.png\":{");
+    damage.swap("v3-absolute-path", "\"0.png\":{", "\"/etc/0.png\":{");
+    damage.swap("v3-another-disk", "\"0.png\":{", "\"C:\\\\0.png\":{");
+    damage.swap("v3-an-image-twice", "\"0_1.png\":{", "\"0.png\":{");
+    damage.swap("v3-no-width", "\"width\":1920", "\"broad\":1920");
+    damage.swap("v3-huge-width", "\"width\":1920", "\"width\":1e18");
+    damage.swap("v3-no-lines", "\"lines\":[", "\"paths\":[");
+    damage.swap("v3-half-a-point", "960.25,", "");
+    damage.swap("v3-points-as-lists", "960.25,270", "[960.25,270]");
+    damage.swap("v3-a-word", "960.25", "\"left\"");
+    damage.swap("v3-far-away", "960.25", "1e300");
+    damage.swap("v3-a-class-as-a-number", "\"Middle line\"", "7");
+    damage.swap("v3-unknown-class", "\"Middle line\"", "\"Middle lane\"");
+    damage.swap("v3-a-box-without-a-side", "\"x2\":140,", "");
+    damage.swap("v3-a-box-in-words", "\"x2\":140", "\"x2\":\"wide\"");
 }
 
 fn yolo(damage: &mut Damage) {

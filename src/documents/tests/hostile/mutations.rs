@@ -3,7 +3,7 @@
 
 use crate::json_values::{hostile_values, replace_value};
 use crate::memory::{MOST, alone, peak};
-use crate::samples::{Sample, formats};
+use crate::samples::{Sample, samples};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -74,8 +74,8 @@ fn try_import(sample: &Sample, main: Vec<u8>, folder: &std::path::Path) {
 fn every_sample_is_imported() {
     let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
-    for format in formats() {
-        let sample = Sample::of(format);
+    for sample in samples() {
+        let format = sample.format;
         let imported = sample.import(&sample.files, folder.path());
         let imported = imported.unwrap_or_else(|error| panic!("{format}: {error}"));
         assert!(!imported.document.frames.is_empty(), "{format}");
@@ -92,8 +92,8 @@ fn each_format<S: Strategy>(
 {
     let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
-    for format in formats() {
-        let sample = Sample::of(format);
+    for sample in samples() {
+        let format = sample.format;
         let Some(strategy) = damage(&sample) else {
             continue;
         };

@@ -13,12 +13,6 @@ use touchline_documents::exchange::{
 /// What the test calls the options of imports that the command line heeds by itself.
 const OF_THE_COMMAND: [FormatOption; 1] = [FormatOption::EachOwnCamera];
 
-/// A picture of the game state challenge with the box of one person.
-const ONE_PERSON: &str = r#"{
-    "images": [{ "image_id": "1", "file_name": "1.jpg", "width": 1920, "height": 1080 }],
-    "annotations": [{ "image_id": "1", "bbox_image": { "x": 9, "y": 9, "w": 9, "h": 9 } }]
-}"#;
-
 /// A document in which each option finds something to change: a gap of a frame, a click outside of
 /// the picture, and one on a line whose class has two names.
 fn probe() -> Document {
@@ -178,10 +172,7 @@ fn every_option_of_an_import_is_heeded_or_not_declared() {
             }
             let mut sample = sample.clone();
             if (format, option) == (Format::SoccerNetLines, FormatOption::Masks) {
-                sample.files = vec![(
-                    "Labels-GameState.json".to_owned(),
-                    ONE_PERSON.as_bytes().to_vec(),
-                )];
+                sample.files = Sample::game_state().files;
             }
             let is_heeded = [Pixels::Corner, Pixels::Centre].into_iter().any(|pixels| {
                 // Whether labels without a meaning are skipped matters where there are some.

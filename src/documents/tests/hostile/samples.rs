@@ -27,7 +27,33 @@ pub fn formats() -> impl Iterator<Item = Format> {
     Format::all().filter(|format| format.imports())
 }
 
+/// A sample of every format, and of every other file that one of them has.
+pub fn samples() -> impl Iterator<Item = Sample> {
+    let formats = formats().map(Sample::of);
+    formats.chain([Sample::game_state(), Sample::labels_v3()])
+}
+
 impl Sample {
+    /// A picture of the game state challenge with a line and the box of one person.
+    pub fn game_state() -> Self {
+        Self::with_masks(one("Labels-GameState.json", GAME_STATE))
+    }
+
+    /// A match of SoccerNet-v3: an action and its replay.
+    pub fn labels_v3() -> Self {
+        Self::with_masks(one("Labels-v3.json", LABELS_V3))
+    }
+
+    /// Files of lines and boxes.
+    fn with_masks(files: NamedFiles) -> Self {
+        let mut sample = Self {
+            files,
+            ..Self::of(Format::SoccerNetLines)
+        };
+        sample.options.masks = true;
+        sample
+    }
+
     pub fn of(format: Format) -> Self {
         let mut options = ImportOptions {
             size: Some(SIZE),
@@ -183,6 +209,23 @@ const DEEPSPORT: &str = r#"{"calibration":{"img_width":1920,"img_height":1080,"K
 const PNLCALIB: &str = r#"{"cam_params":{"pan_degrees":12.5,"tilt_degrees":78.8,"roll_degrees":0.0,"position_meters":[0.0,60.0,-18.0],
  "x_focal_length":2410.0,"y_focal_length":2410.0,"principal_point":[960.0,540.0],"radial_distortion":[0,0,0,0,0,0],
  "tangential_distortion":[0,0],"thin_prism_distortion":[0,0,0,0],"rotation_matrix":[[1,0,0],[0,1,0],[0,0,1]]}}
+"#;
+
+const GAME_STATE: &str = r#"{"info":{"im_dir":"img1"},
+ "images":[{"image_id":"1","file_name":"1.jpg","width":1920,"height":1080}],
+ "annotations":[{"image_id":"1","bbox_image":{"x":9,"y":9,"w":9,"h":9}},
+  {"image_id":"1","lines":{"Middle line":[{"x":0.5,"y":0.25}]}}]}
+"#;
+
+const LABELS_V3: &str = r#"{"GameMetadata":{"UrlLocal":"league/match","list_actions":["0.png"]},
+ "actions":{"0.png":{"imageMetadata":{"width":1920,"height":1080,"gameTime":"1 - 02:00"},
+  "bboxes":[{"class":"Ball","ID":"7","points":{"x1":100.5,"y1":200,"x2":140,"y2":290}},
+   {"class":null,"ID":null,"points":{"x1":1,"y1":2,"x2":3,"y2":4}}],
+  "lines":[{"class":"Middle line","points":[960.25,270,970,800]},{"class":null,"points":[]}],
+  "linked_replays":["0_1.png"]}},
+ "replays":{"0_1.png":{"imageMetadata":{"width":1920,"height":1080},"bboxes":[],
+  "lines":[{"class":"Circle central","points":[700,500,720,520,760,530]}],
+  "linked_action":"0.png"}}}
 "#;
 
 const HOMOGRAPHIES: &str = "image,homography
