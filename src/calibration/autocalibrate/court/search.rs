@@ -33,7 +33,7 @@ const GUESSES_BELOW: [f64; 4] = [-0.1, 0.1, -0.2, 0.2];
 /// What the pictures of a court say.
 pub enum CourtAnswer {
     Found(Box<AutocalibratedCamera>),
-    /// No picture decides; the clicks that would, where a picture can be read.
+    /// No picture decides; the clicks that would, where a picture has any line.
     NotFound(Option<WantedClicks>),
 }
 
@@ -91,6 +91,7 @@ pub fn search_court(
     }
     let fullest = frames
         .iter()
+        .filter(|frame| frame.length_px() > 0.0)
         .max_by(|a, b| a.length_px().total_cmp(&b.length_px()));
     Ok(CourtAnswer::NotFound(fullest.map(|frame| WantedClicks {
         frame: frame.index,
@@ -104,22 +105,22 @@ pub fn search_court(
 fn tried_lenses(stated: StatedLens, size: ImageSize) -> impl Iterator<Item = TriedLens> {
     let [width, height] = [size.width, size.height].map(f64::from);
     let middle = size.centre();
-    let is_usual = |usual: &f64| (width / height / usual - 1.0).abs() <= SAME_PROPORTION;
-    let is_cut =
-        stated.principal_point_in(size) == middle && !USUAL_PROPORTIONS.iter().any(is_usual);
+    let is_usual = USUAL_PROPORTIONS
+        .iter()
+        .any(|usual| (width / height / usual - 1.0).abs() <= SAME_PROPORTION);
+    let is_cut = stated.principal_point_in(size) == middle && !is_usual;
     let guesses = is_cut.then_some(GUESSES_BELOW).into_iter().flatten();
-    let guess = move |below: f64| TriedLens {
+    std::iter::once(TriedLens {
+        stated,
+        is_guess: false,
+    })
+    .chain(guesses.map(move |below| TriedLens {
         stated: StatedLens {
             principal_point: Some(ImagePoint::new(middle.x, middle.y + below * width)),
             ..stated
         },
         is_guess: true,
-    };
-    std::iter::once(TriedLens {
-        stated,
-        is_guess: false,
-    })
-    .chain(guesses.map(guess))
+    }))
 }
 
 #[cfg(test)]

@@ -22,11 +22,12 @@ pub struct TonedMarkings {
 
 impl TonedMarkings {
     pub fn detect(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera) -> Self {
-        let detect = |tone| MarkingPixels::on_court(ground, field, camera, tone);
+        let [bright, dark, borders] = [Tone::Bright, Tone::Dark, Tone::Border]
+            .map(|tone| MarkingPixels::on_court(ground, field, camera, tone));
         Self {
-            bright: detect(Tone::Bright),
-            dark: detect(Tone::Dark),
-            borders: detect(Tone::Border),
+            bright,
+            dark,
+            borders,
         }
     }
 }

@@ -254,15 +254,11 @@ impl Spread {
         let [x, y, z] = <[f64; 3]>::from(self.middle_m);
         let about = format!("about ({x:.1}, {y:.1}, {z:.1}) m");
         let most_drift_m = MOST_DRIFT * away_m + self.drift_of_noise_m;
-        let is_noise = |axis: usize| self.sigma_m[axis] <= SPREAD_OVER_NOISE * self.noise_m[axis];
-        let most_spread = |axis: usize| {
-            if is_noise(axis) {
-                MOST_NOISE
-            } else {
-                MOST_SPREAD
-            }
-        };
-        let is_spread = (0..3).any(|axis| self.sigma_m[axis] > most_spread(axis) * away_m);
+        let is_spread = (0..3).any(|axis| {
+            let is_noise = self.sigma_m[axis] <= SPREAD_OVER_NOISE * self.noise_m[axis];
+            let most_spread = if is_noise { MOST_NOISE } else { MOST_SPREAD };
+            self.sigma_m[axis] > most_spread * away_m
+        });
         if !self.returns && self.drift_m > most_drift_m {
             Some(format!(
                 "drift by {:.1} m {about} without coming back",

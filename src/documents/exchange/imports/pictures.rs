@@ -59,12 +59,11 @@ pub fn name_tracks(frames: &mut [FrameCamera], path: &Path) -> usize {
         .any(|(number, camera)| *first_cameras.entry(*number).or_insert(*camera) != *camera);
     let count = numbered.len();
     // A name with an ending is that of a file, which has no name of its own (`places::names_video`).
-    let plain = |name: &str| name.replace('.', "_");
-    let track = plain(&file_stem(&path.to_string_lossy()));
+    let track = file_stem(&path.to_string_lossy()).replace('.', "_");
     for frame in frames {
         if is_of_track(frame) && frame.frame_index.is_some() {
             frame.video = Some(match &frame.camera {
-                Some(camera) if coincide => format!("{track} {}", plain(camera)),
+                Some(camera) if coincide => format!("{track} {}", camera.replace('.', "_")),
                 _ => track.clone(),
             });
         }

@@ -59,9 +59,8 @@ impl Shape {
         // times the norm of that row of J, its shortest half axis r times the smallest singular
         // value.
         let radius_m = 0.5 * diameter_m;
-        let extent = |axis: usize| radius_m * px_a_metre.row(axis).norm();
         let narrow_px = 2.0 * radius_m * px_a_metre.svd(false, false).singular_values.min();
-        let (half_x, half_y) = (extent(0), extent(1));
+        let [half_x, half_y] = [0, 1].map(|axis| radius_m * px_a_metre.row(axis).norm());
         if !(narrow_px >= NARROWEST_PX && half_x.max(half_y) <= 0.5 * WIDEST_PX * scale) {
             return None;
         }
