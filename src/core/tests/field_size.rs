@@ -33,13 +33,13 @@ const MODEL: BaseModel = BaseModel {
     principal_point: None,
 };
 
-/// The lengths that the rules of a template leave open, with the prior of a quarter of their range.
+/// The lengths for which the rules of a template give a range, with a quarter of it as prior.
 fn open_lengths(template: &Template) -> Vec<SizeParam> {
     let open = template
         .params
         .iter()
         .filter(|param| ["length_m", "width_m"].contains(&param.name.as_str()))
-        .filter(|param| param.is_open());
+        .filter(|param| param.min < param.max);
     open.map(|param| SizeParam {
         name: param.name.clone(),
         assumed_m: param.default,

@@ -7,7 +7,7 @@ use touchline_documents::exchange::{ExchangeError, JoinedImport};
 
 /// Options of the command line in error messages, and their names in the dialog. Replaced in this
 /// order; of two with the same beginning the longer one must come first.
-const OPTIONS: [(&str, &str); 34] = [
+const OPTIONS: [(&str, &str); 35] = [
     (
         "give a --map file with them, or --skip-unmapped",
         "choose what labels are, or leave out others",
@@ -55,6 +55,7 @@ const OPTIONS: [(&str, &str); 34] = [
     ),
     ("--columns h=NAME", "it to the command `touchline import`"),
     ("--template and --direction", "plane and direction"),
+    ("; --video VIDEO says which", ""),
 ];
 
 /// An error in one line, with the dialog's names in place of the command line's options.
