@@ -62,7 +62,7 @@ use touchline_vision::paint::{
 };
 
 /// Minimum evidence for the base by all pictures together, nats.
-const MIN_NATS: f64 = 200.0;
+const MIN_NATS_OF_ALL: f64 = 200.0;
 
 /// Maximum number of answers of single pictures that are tried on the others.
 const MAX_STARTS: usize = 3;
@@ -120,7 +120,7 @@ fn find_court_camera(
         let seen = on_base.markings(frames, field);
         let evidence = weigh_tones(field, &seen);
         let is_certain =
-            evidence.nats() >= MIN_NATS && evidence.contradicted_share() <= MAX_CONTRADICTED;
+            evidence.nats() >= MIN_NATS_OF_ALL && evidence.contradicted_share() <= MAX_CONTRADICTED;
         is_certain.then(|| AutocalibratedCamera {
             paint: paint_directions(&seen),
             ..on_base.into_camera(frames, field, evidence.nats())
