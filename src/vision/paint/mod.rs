@@ -16,7 +16,7 @@
 //! # Files, from the pixels up
 //!
 //! * `turf`, what is ground: `surface.rs` (its colours), `ground_area.rs` (its extent),
-//!   `turf_levels.rs` (its brightness).
+//!   `turf_levels.rs` (its brightness), `even_areas.rs` (where it is in full view).
 //! * `ridges`, across one line: `ridge.rs` and `floor_ridge.rs` search (geometry: `profile.rs`) on a
 //!   profile (`profile.rs`, `colours.rs`).
 //! * `camera_alignment`, with a camera: `sightings.rs` searches across all lines. `check.rs`,
@@ -60,4 +60,5 @@ pub use {
     markings::persistent::{GroundDirections, PersistentPoint, persistent_paint},
     markings::straight_lines::{StraightLine, straight_lines},
     ridges::contrast::LineContrast,
+    turf::even_areas::EvenAreas,
 };

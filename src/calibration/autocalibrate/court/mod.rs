@@ -18,7 +18,7 @@
 //!    ([`touchline_vision::paint::straight_lines`]).
 //! 2. Every two pairs of them as every rectangle of the field (`rectangles.rs`); scored by the
 //!    lines of the field that are lines of the picture (`shown_lines.rs`, `grid.rs`).
-//!    That a line is not shown says something only where the ground is seen (`even_areas.rs`).
+//!    That a line is not shown says something only where the ground is seen ([`EvenAreas`]).
 //! 3. The best are adjusted to these lines, then to the paint beside them, and weighed in nats on
 //!    the ground that they themselves say is the court's (`picture.rs`), each line in the tone that
 //!    it has (`toned_markings.rs`).
@@ -32,7 +32,6 @@
 //! Courts that are never shown with two lines in each direction; a crop that follows the players; a
 //! lens that bends lines by more than some px.
 
-mod even_areas;
 mod grid;
 mod picture;
 mod rectangles;
@@ -45,7 +44,6 @@ mod toned_markings;
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
 pub use search::{CourtAnswer, search_court};
 
-use even_areas::EvenAreas;
 use picture::{MAX_CONTRADICTED, PictureCamera, camera_of_picture};
 use rayon::prelude::*;
 use toned_markings::{TonedMarkings, weigh_tones};
@@ -57,8 +55,8 @@ use touchline_core::solve::base::{
     AdjustOptions, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
 };
 use touchline_vision::paint::{
-    GroundPicture, SnapOptions, Snapped, StraightLine, observations_of_paint, paint_places, snap,
-    straight_lines,
+    EvenAreas, GroundPicture, SnapOptions, Snapped, StraightLine, observations_of_paint,
+    paint_places, snap, straight_lines,
 };
 
 /// Minimum evidence for the base by all pictures together, nats.

@@ -1,12 +1,11 @@
 //! The lines of a field that a camera would see, compared with the straight lines of its picture.
 
-use super::even_areas::EvenAreas;
 use super::grid::{Grid, GridLine};
 use touchline_core::camera::StatedLens;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_core::solve::{Observation, PlanePose};
-use touchline_vision::paint::{StraightLine, Tone};
+use touchline_vision::paint::{EvenAreas, StraightLine, Tone};
 
 /// Both ends of a line of the field lie within this of the line of the picture that shows it, px at
 /// 1920 px width: a camera from one rectangle is some px off elsewhere, and a lens bends lines.

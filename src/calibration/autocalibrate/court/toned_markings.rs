@@ -22,8 +22,8 @@ pub struct TonedMarkings {
 
 impl TonedMarkings {
     pub fn detect(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamera) -> Self {
-        let [bright, dark, borders] = [Tone::Bright, Tone::Dark, Tone::Border]
-            .map(|tone| MarkingPixels::on_court(ground, field, camera, tone));
+        let tones = [Tone::Bright, Tone::Dark, Tone::Border];
+        let [bright, dark, borders] = MarkingPixels::on_court(ground, field, camera, tones);
         Self {
             bright,
             dark,

@@ -13,7 +13,7 @@
 //!    without long gaps; a player in front of it may leave a gap, scattered ridges of a crowd do
 //!    not make a line.
 
-use super::marking_pixels::{Tone, crests_anywhere};
+use super::marking_pixels::{Crests, Tone};
 use crate::paint::GroundPicture;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 
@@ -102,20 +102,22 @@ type Ridge = (ImagePoint, Vec2);
 /// reason to prefer one.
 pub fn straight_lines(ground: &GroundPicture) -> Vec<StraightLine> {
     let mut lines = Vec::new();
+    let crests = Crests::new(ground);
     for tone in [Tone::Bright, Tone::Dark, Tone::Border] {
-        add_lines(ground, tone, &mut lines);
+        add_lines(ground, &crests, tone, &mut lines);
     }
     lines
 }
 
 /// Adds the lines that some ridges make. Those beside a line that is there already are its edges,
 /// or the halo of a sharpened picture.
-fn add_lines(ground: &GroundPicture, tone: Tone, lines: &mut Vec<StraightLine>) {
+fn add_lines(ground: &GroundPicture, crests: &Crests, tone: Tone, lines: &mut Vec<StraightLine>) {
     let size = ground.size();
     let scale = size.scale_from_1920();
     let min_covered_px = MIN_COVERED * f64::from(size.width.max(size.height));
     let beside_px = BESIDE_PX * scale;
-    let mut ridges: Vec<Ridge> = crests_anywhere(ground, tone)
+    let mut ridges: Vec<Ridge> = crests
+        .anywhere(tone)
         .into_iter()
         .filter(|ridge| {
             let is_edge = |line: &StraightLine| {

@@ -49,7 +49,7 @@ impl GroundPicture {
     }
 
     /// The brightness at full resolution.
-    pub const fn grey(&self) -> &GreyPicture {
+    pub(in crate::paint) const fn grey(&self) -> &GreyPicture {
         &self.grey
     }
 

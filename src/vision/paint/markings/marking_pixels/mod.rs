@@ -21,8 +21,8 @@ use crate::paint::GroundPicture;
 use crate::paint::camera_alignment::ground_on_field::ground_on_field;
 use crate::paint::turf::ground_area::GroundArea;
 use components::long_ones;
+pub(super) use ridges::Crests;
 pub use ridges::Tone;
-pub(super) use ridges::crests_anywhere;
 use ridges::ridges;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
@@ -76,41 +76,21 @@ impl MarkingPixels {
         } else {
             &[Tone::Bright, Tone::Dark]
         };
-        Self::of_kind(ground, tones, MIN_LENGTH_PX)
+        SearchedPicture::new(ground).markings(tones, MIN_LENGTH_PX)
     }
 
-    fn of_kind(ground: &GroundPicture, tones: &[Tone], min_length_px: f64) -> Self {
-        let size = ground.size();
-        let area = GroundArea::detect(ground);
-        let mut cells = Cells::new(size);
-        // A cell lies in the ground area if its first pixel does: the area is made of 8 px blocks.
-        for row in 0..cells.rows {
-            for column in 0..cells.columns {
-                if area.holds(column * CELL_PX, row * CELL_PX) {
-                    cells.flags[row * cells.columns + column] |= GROUND;
-                }
-            }
-        }
-        // Ridges are pixels; which of them are paint is decided for whole components.
-        let ridges = ridges(ground, &area, tones);
-        let points = long_ones(&ridges, size, min_length_px, ground.surface().is_turf());
-        for point in &points {
-            cells.mark_stroke(point.at);
-        }
-        Self { points, cells }
-    }
-
-    /// Detects the lines of a tone on a court where a camera shows it: its ground is what is smooth
-    /// inside the field, whatever the rest of the picture is. Seams, scratches and letters are
-    /// shorter than lines.
-    pub fn on_court(
+    /// Detects the lines of a court where a camera shows it, once for each of some tones. Its
+    /// ground is what is smooth inside the field, whatever the rest of the picture is. Seams,
+    /// scratches and letters are shorter than lines.
+    pub fn on_court<const N: usize>(
         ground: &GroundPicture,
         field: &FieldModel,
         camera: &PtzCamera,
-        tone: Tone,
-    ) -> Self {
+        tones: [Tone; N],
+    ) -> [Self; N] {
         let ground = ground_on_field(ground, field, camera);
-        Self::of_kind(&ground, &[tone], MIN_LENGTH_ON_COURT_PX)
+        let searched = SearchedPicture::new(&ground);
+        tones.map(|tone| searched.markings(&[tone], MIN_LENGTH_ON_COURT_PX))
     }
 
     /// What the picture shows at a point, px.
@@ -125,6 +105,49 @@ impl MarkingPixels {
     /// Width and height of the picture, px.
     pub const fn size(&self) -> ImageSize {
         self.cells.size
+    }
+}
+
+/// A picture with what the search for markings of any tone needs.
+struct SearchedPicture<'a> {
+    ground: &'a GroundPicture,
+    area: GroundArea,
+    crests: Crests<'a>,
+    /// Without markings.
+    cells: Cells,
+}
+
+impl<'a> SearchedPicture<'a> {
+    fn new(ground: &'a GroundPicture) -> Self {
+        let area = GroundArea::detect(ground);
+        let mut cells = Cells::new(ground.size());
+        // A cell lies in the ground area if its first pixel does: the area is made of 8 px blocks.
+        for row in 0..cells.rows {
+            for column in 0..cells.columns {
+                if area.holds(column * CELL_PX, row * CELL_PX) {
+                    cells.flags[row * cells.columns + column] |= GROUND;
+                }
+            }
+        }
+        Self {
+            ground,
+            area,
+            crests: Crests::new(ground),
+            cells,
+        }
+    }
+
+    /// The markings of some tones that are long enough, px at 1920 px width.
+    fn markings(&self, tones: &[Tone], min_length_px: f64) -> MarkingPixels {
+        let (size, is_turf) = (self.ground.size(), self.ground.surface().is_turf());
+        // Ridges are pixels; which of them are paint is decided for whole components.
+        let ridges = ridges(self.ground, &self.area, &self.crests, tones);
+        let points = long_ones(&ridges, size, min_length_px, is_turf);
+        let mut cells = self.cells.clone();
+        for point in &points {
+            cells.mark_stroke(point.at);
+        }
+        MarkingPixels { points, cells }
     }
 }
 

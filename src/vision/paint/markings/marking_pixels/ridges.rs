@@ -82,24 +82,50 @@ struct Crest {
     side_px: f64,
 }
 
-impl Crest {
-    /// The crest of a tone in a pixel of a picture, by the picture's blurred brightness. The
-    /// outermost two rows and columns have none.
-    fn at_pixel(
-        grey: &GreyPicture,
-        smooth: &[f32],
-        x: usize,
-        y: usize,
-        tone: Tone,
-    ) -> Option<Self> {
-        let width = grey.size.width as usize;
+/// The crests of a picture.
+///
+/// A crest is the maximum of the blurred brightness across a marking, or the steepest place of a
+/// border. What is ground plays no part yet.
+pub struct Crests<'a> {
+    grey: &'a GreyPicture,
+    /// The blurred brightness.
+    smooth: Vec<f32>,
+}
+
+impl<'a> Crests<'a> {
+    /// Blurs a picture.
+    pub fn new(ground: &'a GroundPicture) -> Self {
+        Self {
+            grey: ground.grey(),
+            smooth: gaussian_blur(ground.grey()),
+        }
+    }
+
+    /// The crests of a tone in the whole picture, whatever the ground is: their centres, px, and
+    /// the unit vectors across them.
+    pub fn anywhere(&self, tone: Tone) -> Vec<(ImagePoint, Vec2)> {
+        let size = self.grey.size;
+        let (width, height) = (size.width as usize, size.height as usize);
+        let inner = (1..height.saturating_sub(1))
+            .flat_map(|y| (1..width.saturating_sub(1)).map(move |x| (x, y)));
+        inner
+            .filter_map(|(x, y)| {
+                let crest = self.at_pixel(x, y, tone)?;
+                Some((crest.at, crest.normal))
+            })
+            .collect()
+    }
+
+    /// The crest of a tone in a pixel that is not one of the outermost.
+    fn at_pixel(&self, x: usize, y: usize, tone: Tone) -> Option<Crest> {
+        let (grey, width) = (self.grey, self.grey.size.width as usize);
         let sign = match tone {
             Tone::Bright => 1.0,
             Tone::Dark => -1.0,
-            Tone::Border => return border_at(grey, smooth, x, y),
+            Tone::Border => return border_at(grey, &self.smooth, x, y),
         };
         // Sub-pixel maximum of the blurred brightness along the normal.
-        let (normal, beside_px) = bend(smooth, y * width + x, width, sign)?;
+        let (normal, beside_px) = bend(&self.smooth, y * width + x, width, sign)?;
         let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).translate(normal * beside_px);
         let at = match tone {
             Tone::Bright => brightest(grey, at, normal),
@@ -107,7 +133,7 @@ impl Crest {
         };
         // The contrast is measured in the unblurred picture: the blur lowers that of thin lines.
         let side_px = contrasts(grey, at, normal, tone)?;
-        Some(Self {
+        Some(Crest {
             at,
             normal,
             side_px,
@@ -116,9 +142,13 @@ impl Crest {
 }
 
 /// The marking pixels of some tones on the ground area, row by row.
-pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea, tones: &[Tone]) -> Vec<RidgePixel> {
+pub(super) fn ridges(
+    ground: &GroundPicture,
+    area: &GroundArea,
+    crests: &Crests,
+    tones: &[Tone],
+) -> Vec<RidgePixel> {
     let (width, height) = (ground.size().width as usize, ground.size().height as usize);
-    let smooth = gaussian_blur(ground.grey());
     let is_turf = ground.surface().is_turf();
     let levels = is_turf.then(|| TurfLevels::measure(ground, area));
     // The tests of a pixel are in the order of their cost. The first, a few sums over neighbours,
@@ -136,7 +166,7 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea, tones: &[Tone]) 
                     at,
                     normal,
                     side_px,
-                }) = Crest::at_pixel(ground.grey(), &smooth, x, y, *tone)
+                }) = crests.at_pixel(x, y, *tone)
                 else {
                     continue;
                 };
@@ -165,22 +195,6 @@ pub(super) fn ridges(ground: &GroundPicture, area: &GroundArea, tones: &[Tone]) 
         }
     }
     found
-}
-
-/// The crests of a tone in a whole picture, whatever the ground is: their centres, px, and the unit
-/// vectors across them.
-pub fn crests_anywhere(ground: &GroundPicture, tone: Tone) -> Vec<(ImagePoint, Vec2)> {
-    let grey = ground.grey();
-    let (width, height) = (grey.size.width as usize, grey.size.height as usize);
-    let smooth = gaussian_blur(grey);
-    let inner = (1..height.saturating_sub(1))
-        .flat_map(|y| (1..width.saturating_sub(1)).map(move |x| (x, y)));
-    inner
-        .filter_map(|(x, y)| {
-            let crest = Crest::at_pixel(grey, &smooth, x, y, tone)?;
-            Some((crest.at, crest.normal))
-        })
-        .collect()
 }
 
 /// The border of two even areas in a pixel.

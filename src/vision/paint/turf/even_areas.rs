@@ -2,8 +2,8 @@
 //!
 //! That a line is not shown says something only there.
 
+use crate::paint::GroundPicture;
 use touchline_core::geometry::ImagePoint;
-use touchline_vision::paint::GroundPicture;
 
 /// Side of a block, px at 1920 px width.
 const BLOCK_PX: f64 = 24.0;
@@ -17,6 +17,7 @@ const MAX_SLOPE: f64 = 5.0;
 const PLACES: u32 = 12;
 
 /// The even blocks of a picture.
+#[derive(Clone, Debug)]
 pub struct EvenAreas {
     block_px: usize,
     columns: usize,
@@ -24,6 +25,7 @@ pub struct EvenAreas {
 }
 
 impl EvenAreas {
+    /// Measures the slopes of a picture's brightness, block by block.
     pub fn detect(ground: &GroundPicture) -> Self {
         let grey = ground.grey();
         let [width, height] = [grey.size.width, grey.size.height].map(|side| side as usize);
@@ -74,8 +76,8 @@ impl EvenAreas {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::media::Picture;
     use touchline_core::geometry::ImageSize;
-    use touchline_vision::media::Picture;
 
     #[test]
     fn a_crowd_is_uneven_and_a_floor_is_not() {
