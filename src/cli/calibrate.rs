@@ -233,7 +233,7 @@ fn describe_different_fields(cameras: &[Arc<AutocalibratedCamera>]) -> Vec<Strin
                 let of_other = measured(other).into_iter().find(|it| it.name == size.name);
                 let Some(of_other) = of_other else { continue };
                 let apart_m = (size.value_m - of_other.value_m).abs();
-                let sigma_m = size.sigma_m.hypot(of_other.sigma_m);
+                let sigma_m = size.error.sigma_m.hypot(of_other.error.sigma_m);
                 if apart_m > DIFFERENT_SIGMAS * sigma_m {
                     lines.push(format!(
                         "cameras {} and {}: their fields differ, {} {:.2} ± {:.2} m and {:.2} ± {:.2} m; \
@@ -242,9 +242,9 @@ fn describe_different_fields(cameras: &[Arc<AutocalibratedCamera>]) -> Vec<Strin
                         number + 1,
                         size.name.trim_end_matches("_m"),
                         of_other.value_m,
-                        of_other.sigma_m,
+                        of_other.error.sigma_m,
                         size.value_m,
-                        size.sigma_m
+                        size.error.sigma_m
                     ));
                 }
             }

@@ -15,6 +15,7 @@ use touchline_calibration::calibrate::{
 use touchline_calibration::pipelines::{
     TrackedFrames, TrackingEvent, TrackingOptions, track_clips,
 };
+use touchline_core::camera::SizeError;
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::FittedSize;
@@ -296,7 +297,7 @@ fn describe_length(found: &LengthOnLines) -> String {
         name,
         assumed_m,
         value_m,
-        sigma_m,
+        error: SizeError { sigma_m, .. },
         ..
     } = &found.size;
     let seen = format!(

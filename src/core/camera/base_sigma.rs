@@ -7,8 +7,10 @@
 //! parameter were raised and its correlations kept, errors that cancelled before would add up.
 
 use super::shared_parameters::{
-    BaseCorrelation, GAUGE, SHARED_COLUMNS, SHARED_PARAMETERS, SharedCovariance, SharedError, place,
+    BaseCorrelation, GAUGE, SHARED_COLUMNS, SHARED_PARAMETERS, SIZE_COLUMN, SharedCovariance,
+    SharedError, place,
 };
+use super::size_error::SizeError;
 use crate::geometry::{Mat3, Vec2, Vec3};
 use nalgebra::{DMatrix, Matrix3, SMatrix};
 use serde::Serialize;
@@ -36,6 +38,10 @@ pub struct BaseSigma {
     pub principal_point_px: Vec2,
     /// The correlations of these errors.
     pub correlation: BaseCorrelation,
+    /// Of the field's length and width. All others are given these, so that it is enough to leave
+    /// them out once the size is known.
+    #[serde(skip)]
+    pub size: [SizeError; 2],
 }
 
 impl BaseSigma {
@@ -59,6 +65,7 @@ impl BaseSigma {
             crown_width_m,
             principal_point_px: deviation.fixed_rows::<2>(8).into_owned(),
             correlation: BaseCorrelation::of_covariance(covariance, &deviation),
+            size: [SizeError::default(); 2],
         }
     }
 
@@ -100,12 +107,12 @@ impl BaseSigma {
         ])
     }
 
-    /// Whether lens, crown and principal point are taken as exact.
+    /// Whether lens, crown, principal point and the size of the field are taken as exact.
     pub fn is_of_pose_alone(&self) -> bool {
-        self.deviations()
-            .iter()
-            .skip(GAUGE)
-            .all(|deviation| *deviation == 0.0)
+        let deviations = self.deviations();
+        let of_size = self.size.iter().map(|size| size.sigma_m);
+        let others = deviations.iter().skip(GAUGE).copied().chain(of_size);
+        others.into_iter().all(|deviation| deviation == 0.0)
     }
 
     /// The same with one more error, independent of those so far: C + e eᵀ.
@@ -144,6 +151,7 @@ impl BaseSigma {
     fn with_covariance(&self, covariance: &SharedCovariance) -> Self {
         let mut changed = Self::from_covariance(covariance, self.crown_width_m);
         changed.rotation.z = self.rotation.z;
+        changed.size = self.size;
         changed
     }
 
@@ -211,8 +219,9 @@ impl BaseSigma {
         self.with_covariance(&covariance)
     }
 
-    /// A lower triangular matrix L with L Lᵀ = the covariance of position (m), rotation vector in
-    /// `world` (rad, the gauge included), k₁, its slope, crown (m) and principal point (px).
+    /// A matrix L with L Lᵀ = the covariance of position (m), rotation vector in `world` (rad, the
+    /// gauge included), k₁, its slope, crown (m), principal point (px), length and width of the
+    /// field (m). Its columns before those of the size are lower triangular.
     pub(crate) fn root(&self) -> SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS> {
         let (correlation, deviation) = (self.correlation.matrix(), self.deviations());
         let mut root = SMatrix::<f64, SHARED_COLUMNS, SHARED_COLUMNS>::zeros();
@@ -242,6 +251,14 @@ impl BaseSigma {
                 .for_each(|entry| *entry *= sigma);
         }
         root[(GAUGE, GAUGE)] = self.rotation.z;
+        // An error of the size is independent of all errors so far, and brings its own of each.
+        for (axis, size) in self.size.iter().enumerate() {
+            let column = SIZE_COLUMN + axis;
+            root[(column, column)] = size.sigma_m;
+            for (parameter, by_m) in size.base_by_m.iter().enumerate() {
+                root[(place(parameter), column)] = by_m * size.sigma_m;
+            }
+        }
         root
     }
 }

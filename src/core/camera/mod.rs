@@ -13,6 +13,7 @@ mod distortion;
 mod jacobian;
 mod projection;
 mod shared_parameters;
+mod size_error;
 mod stated_lens;
 
 pub use base::{BaseAngles, CameraBase};
@@ -20,8 +21,9 @@ pub use base_sigma::BaseSigma;
 pub use distortion::{FocalCurve, Radial, UndistortError};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{ProjectError, PtzCamera};
-pub(crate) use shared_parameters::SHARED_COLUMNS;
 pub use shared_parameters::{BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError};
+pub(crate) use shared_parameters::{SHARED_COLUMNS, SIZE_COLUMN};
+pub use size_error::SizeError;
 pub use stated_lens::{StatedLens, StatedRadial};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]

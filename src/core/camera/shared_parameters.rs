@@ -20,9 +20,13 @@ pub type SharedCovariance = SMatrix<f64, SHARED_PARAMETERS, SHARED_PARAMETERS>;
 /// One error of the shared parameters.
 pub type SharedError = SVector<f64, SHARED_PARAMETERS>;
 
-/// The number of columns of a Jacobian by the shared parameters: these, with the rotation about z
-/// inserted behind the two others, as in `BaseSigma::root`.
-pub(crate) const SHARED_COLUMNS: usize = SHARED_PARAMETERS + 1;
+/// The number of columns of a Jacobian by what frames share: the shared parameters, with the
+/// rotation about z inserted behind the two others, and the length and width of the field, as in
+/// `BaseSigma::root`.
+pub(crate) const SHARED_COLUMNS: usize = SIZE_COLUMN + 2;
+
+/// The column of the field's length in such a Jacobian; that of its width follows.
+pub(crate) const SIZE_COLUMN: usize = SHARED_PARAMETERS + 1;
 
 /// The column of the rotation about z in such a Jacobian.
 pub(super) const GAUGE: usize = 5;

@@ -47,7 +47,7 @@
 //! | `image_size_px`, `principal_point_px` | of its pictures, px |
 //! | `position_m?`, `base_from_world?` | its base; absent: not known yet |
 //! | `distortion?` | `k1`: `at_focal_px`, `value`, `per_1000_px` ([`K1Curve`]); `k2_per_k1_squared?`: k₂ = this · k₁² ([`Distortion`]) |
-//! | `sigma?` | prior 1-σ of the base: `position_m`, `rotation_deg`, `k1?`, `k1_per_1000_px?`, `crown_m?`, `crown_width_m?`, `principal_point_px?`, `correlation?` ([`CameraSigma`]) |
+//! | `sigma?` | prior 1-σ of the base: `position_m`, `rotation_deg`, `k1?`, `k1_per_1000_px?`, `crown_m?`, `crown_width_m?`, `principal_point_px?`, `correlation?`, `length?`, `width?` ([`CameraSigma`]) |
 //! | `masks_px?` | boxes `[x, y, width, height]` that give no features in any frame, px |
 //! | `masks?` | boxes for some frames, or found by the program: `box_px`, `from?`, `to?` (video frames), `source`: `found`, `by_hand` ([`RangedMask`]) |
 //! | `click_noise_px?` | 1-σ of a click in its pictures, px |

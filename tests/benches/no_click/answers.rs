@@ -317,7 +317,7 @@ pub fn judge_answer(
             found
                 .sizes
                 .iter()
-                .map(|size| format!("{:.2}", size.sigma_m))
+                .map(|size| format!("{:.2}", size.error.sigma_m))
                 .collect::<Vec<_>>(),
             worst_line_px,
             worst.1,

@@ -283,7 +283,7 @@ fn the_size_of_the_field_is_fitted_with_the_base_in_one_step() {
     assert_eq!(names, ["length_m", "width_m"]);
     for (size, real) in found.sizes.iter().zip([105.0, 68.0]) {
         assert!(
-            (size.value_m - real).abs() < 3.0 * size.sigma_m && size.sigma_m < 1.0,
+            (size.value_m - real).abs() < 3.0 * size.error.sigma_m && size.error.sigma_m < 1.0,
             "{size:?}"
         );
     }

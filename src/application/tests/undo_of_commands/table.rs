@@ -18,6 +18,7 @@ use touchline_application::app::{
 };
 use touchline_calibration::autocalibrate::AutocalibrationAnswer;
 use touchline_calibration::calibrate::{LengthOnLines, TrackedClip};
+use touchline_core::camera::SizeError;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 use touchline_core::solve::base::FittedSize;
 use touchline_core::testing::seeded::rng;
@@ -96,8 +97,7 @@ fn measure_length(scene: &mut Scene) {
             name: "length_m".to_owned(),
             assumed_m: 105.0,
             value_m: 102.0,
-            sigma_m: 0.3,
-            position_sigma_m: Vec3::zeros(),
+            error: SizeError::alone(0.3),
             is_open: false,
         },
         shifts: vec![("main".into(), Vec3::new(1.5, 0.0, 0.0))],

@@ -137,7 +137,7 @@ pub fn open_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
 /// cameras it was 0.67 m at most.
 pub fn unsteady_size(camera: &AutocalibratedCamera) -> Option<Doubt> {
     let worst_m = UNSTEADY_SHARE * camera.field.width_m;
-    let is_unsteady = |size: &&FittedSize| !size.is_open && size.sigma_m > worst_m;
+    let is_unsteady = |size: &&FittedSize| !size.is_open && size.error.sigma_m > worst_m;
     camera.sizes.iter().find(is_unsteady).map(size_doubt)
 }
 
@@ -145,7 +145,7 @@ fn size_doubt(size: &FittedSize) -> Doubt {
     Doubt::SizeOpen {
         name: size.name.clone(),
         value_m: size.value_m,
-        sigma_m: size.sigma_m,
+        sigma_m: size.error.sigma_m,
     }
 }
 
@@ -249,6 +249,7 @@ mod tests {
     use crate::autocalibrate::rotating_camera::{
         IMAGE_SIZE, document, hypothesis, matched_views, matched_views_with_pixels, soccer,
     };
+    use touchline_core::camera::SizeError;
     use touchline_core::geometry::{Angle, ImagePoint, Vec2};
     use touchline_core::markings::project_landmarks;
 
@@ -319,8 +320,7 @@ mod tests {
             name: name.to_owned(),
             assumed_m: 105.0,
             value_m: 104.0,
-            sigma_m,
-            position_sigma_m: Vec3::zeros(),
+            error: SizeError::alone(sigma_m),
             is_open,
         };
         let doubt = |name: &str, sigma_m: f64| {

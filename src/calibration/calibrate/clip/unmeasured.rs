@@ -85,7 +85,7 @@ impl Unmeasured {
             let Some(size) = measure_length(unseen, &looks) else {
                 continue;
             };
-            unseen.take_measured(size.value_m, size.sigma_m);
+            unseen.take_measured(size.value_m, size.error.sigma_m);
             let other = other_length(at, &clip.camera, unseen, size, looks.len(), &is_known)?;
             found.lengths.extend(other);
         }
@@ -242,8 +242,11 @@ mod tests {
             let looks = drawn(&pitch, &base(), &base(), &ends);
             let size = measure_length(&unseen, &looks).expect("a length");
             let off_m = (size.value_m - 105.0).abs();
-            assert!(off_m < 0.3 && size.sigma_m < 0.5, "{assumed_m} m: {size:?}");
-            unseen.take_measured(size.value_m, size.sigma_m);
+            assert!(
+                off_m < 0.3 && size.error.sigma_m < 0.5,
+                "{assumed_m} m: {size:?}"
+            );
+            unseen.take_measured(size.value_m, size.error.sigma_m);
             let is_right = (assumed_m - 105.0).abs() < 0.1;
             for pan_deg in ends {
                 let sure = is_sure(&unseen, pan_deg);
@@ -301,7 +304,7 @@ mod tests {
             let looks = drawn(&pitch_of(length_m), &base(), &moved, &middle);
             let size = measure_length(&unseen, &looks).expect("a length");
             let off_m = (size.value_m - length_m).abs();
-            assert!(off_m < 0.5 && off_m < 2.0 * size.sigma_m, "{size:?}");
+            assert!(off_m < 0.5 && off_m < 2.0 * size.error.sigma_m, "{size:?}");
             let at = document.at(Path::new(""));
             let other = other_length(at, &"main".into(), &unseen, size, middle.len(), &is_known);
             let other = other.unwrap().expect("another length");

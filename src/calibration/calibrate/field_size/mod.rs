@@ -52,7 +52,7 @@ pub(crate) fn alone_sigma_m(field: &FieldModel) -> f64 {
 /// it does not determine.
 pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize], field: &FieldModel) {
     for length in sizes {
-        length.is_open |= length.sigma_m > OPEN_SHARE * field.width_m;
+        length.is_open |= length.error.sigma_m > OPEN_SHARE * field.width_m;
         length.cover_error(alone_sigma_m(field));
     }
 }
@@ -185,16 +185,16 @@ const WORTH_SAYING_M: f64 = 0.2;
 pub fn describe_size(size: &FittedSize) -> String {
     let what = size.name.trim_end_matches("_m");
     if size.is_open {
-        let (assumed_m, sigma_m) = (size.assumed_m, size.sigma_m);
+        let (assumed_m, sigma_m) = (size.assumed_m, size.error.sigma_m);
         return format!(
             "{what} {assumed_m} m is assumed: the frames do not show it (± {sigma_m:.1} m). What they show lies right; state the field's {what} if it is another"
         );
     }
     let text = format!(
         "{what} {:.2} ± {:.2} m ({} m assumed)",
-        size.value_m, size.sigma_m, size.assumed_m
+        size.value_m, size.error.sigma_m, size.assumed_m
     );
-    let along_m = size.position_sigma_m;
+    let along_m = size.position_sigma_m();
     if along_m.norm() <= WORTH_SAYING_M {
         return text;
     }

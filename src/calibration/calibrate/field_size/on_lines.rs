@@ -11,7 +11,7 @@
 use super::unseen::{UnseenSize, move_base};
 use super::written::set_field_size;
 use rayon::prelude::*;
-use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera, SizeError};
 use touchline_core::field::FieldError;
 use touchline_core::geometry::{Vec3, mean, median};
 use touchline_core::solve::base::FittedSize;
@@ -125,7 +125,7 @@ pub(in crate::calibrate) fn measure_length(
     let by_turn_m = median(&mut by_turns).unwrap_or(f64::INFINITY);
     Some(FittedSize {
         value_m,
-        sigma_m: spread_m.max(by_turn_m).max(unseen.least_sigma_m()),
+        error: SizeError::alone(spread_m.max(by_turn_m).max(unseen.least_sigma_m())),
         is_open: false,
         ..param.unseen()
     })
@@ -142,7 +142,7 @@ pub(in crate::calibrate) fn other_length(
     frames: usize,
     is_known: &dyn Fn(usize, &Frame) -> bool,
 ) -> Result<Option<LengthOnLines>, FieldError> {
-    if (size.value_m - size.assumed_m).abs() <= OTHER_SIGMAS * size.sigma_m {
+    if (size.value_m - size.assumed_m).abs() <= OTHER_SIGMAS * size.error.sigma_m {
         return Ok(None);
     }
     let spec = at.document.field_of_camera(camera);
@@ -219,6 +219,8 @@ pub fn take_length(document: &mut Document, found: &LengthOnLines) {
             && let Some(mut base) = known.base()
         {
             base.position_m += shift;
+            let open = &mut base.sigma.size[found.size.axis()];
+            open.sigma_m = open.sigma_m.min(found.size.error.sigma_m);
             known.set_base(&base);
         }
     }

@@ -19,7 +19,12 @@ pub(in crate::calibrate) fn write_base(
     let Some(known) = document.camera_mut(camera) else {
         return;
     };
-    known.set_base(base);
+    // What is open of the size is an error of all that the base draws.
+    let mut base = *base;
+    for size in sizes {
+        base.sigma.size[size.axis()] = size.error;
+    }
+    known.set_base(&base);
     set_field_size(document, camera, sizes);
     if document.field_of_camera(camera).crown_m() != crown_m
         && let Some(field) = own_field_mut(document, camera)
@@ -65,7 +70,8 @@ fn set_size(field: &mut FieldSpec, sizes: &[FittedSize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::geometry::{ImageSize, Vec3};
+    use touchline_core::camera::SizeError;
+    use touchline_core::geometry::ImageSize;
     use touchline_core::testing::base_at;
     use touchline_documents::document::Camera;
     use touchline_documents::testing::match_from;
@@ -90,8 +96,7 @@ mod tests {
             name: "length_m".to_owned(),
             assumed_m: 105.0,
             value_m: 102.0,
-            sigma_m: 0.3,
-            position_sigma_m: Vec3::zeros(),
+            error: SizeError::alone(0.3),
             is_open,
         }
     }

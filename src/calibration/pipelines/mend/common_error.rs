@@ -63,7 +63,7 @@ impl CommonError {
         // off on real pitches, and a vague length is far off by chance.
         let others = sizes.iter().filter(|size| {
             let off_m = (size.value_m - size.assumed_m).abs();
-            !size.is_open && off_m > OTHER_SIZE_M && off_m > OTHER_SIZE_SIGMAS * size.sigma_m
+            !size.is_open && off_m > OTHER_SIZE_M && off_m > OTHER_SIZE_SIGMAS * size.error.sigma_m
         });
         others.cloned().map(Self::FieldSize)
     }

@@ -10,11 +10,11 @@
 use super::adjust::starting;
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
-use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
+use super::parameters::{OF_BASE, OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
 use super::priors::UsualView;
 use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
-use crate::camera::{CameraBase, Ptz};
+use crate::camera::{CameraBase, Ptz, SizeError};
 use crate::field::{Crown, FieldModel};
 use crate::geometry::{ImageSize, Vec3};
 use crate::solve::{Observation, ObservedShape};
@@ -47,13 +47,11 @@ pub struct FittedSize {
     pub assumed_m: f64,
     /// The estimate, m.
     pub value_m: f64,
-    /// The 1-σ of the estimate, m, from click noise and from landmarks that are painted off their
-    /// nominal positions.
-    pub sigma_m: f64,
-    /// The 1-σ that this adds to the camera's position along `world` x, y, z, m. If only one end of
-    /// a field is seen, the uncertainty of its length moves the middle of the field, which is the
-    /// origin of `world`, by half, and with it all coordinates.
-    pub position_sigma_m: Vec3,
+    /// The error of the estimate, from click noise and from landmarks that are painted off their
+    /// nominal positions, and what goes with it. If only one end of a field is seen, the
+    /// uncertainty of its length moves the middle of the field, which is the origin of `world`, by
+    /// half, and with it all coordinates.
+    pub error: SizeError,
     /// Whether the frames do not determine the length ([`SizeParam::is_open_at`]), so that the
     /// assumed value should be kept.
     pub is_open: bool,
@@ -73,8 +71,7 @@ impl SizeParam {
             name: self.name.clone(),
             assumed_m: self.assumed_m,
             value_m: self.assumed_m,
-            sigma_m: self.sigma_m,
-            position_sigma_m: Vec3::zeros(),
+            error: SizeError::alone(self.sigma_m),
             is_open: true,
         }
     }
@@ -84,19 +81,25 @@ impl SizeParam {
 const OPEN_SHARE: f64 = 0.5;
 
 impl FittedSize {
-    /// Raises the 1-σ to cover an error that the fit did not see, and with it what it adds to the
-    /// camera's position.
-    pub fn cover_error(&mut self, error_m: f64) {
-        if error_m > self.sigma_m {
-            self.position_sigma_m *= error_m / self.sigma_m;
-            self.sigma_m = error_m;
-        }
+    /// The axis of `world` along which it lies: 0 for the length, 1 for the width.
+    pub fn axis(&self) -> usize {
+        usize::from(self.name != "length_m")
+    }
+
+    /// Raises the 1-σ to cover an error that the fit did not see.
+    pub const fn cover_error(&mut self, error_m: f64) {
+        self.error.sigma_m = self.error.sigma_m.max(error_m);
     }
 
     /// The position that belongs to another value of the length, by the regression of the one on the
     /// other: where one end alone is seen, the camera stays with that end.
     pub fn position_shift_m(&self, value_m: f64) -> Vec3 {
-        self.position_sigma_m * ((value_m - self.value_m) / self.sigma_m)
+        self.error.base_by_m.fixed_rows::<3>(0) * (value_m - self.value_m)
+    }
+
+    /// The 1-σ that its own adds to the camera's position along `world` x, y, z, m.
+    pub fn position_sigma_m(&self) -> Vec3 {
+        self.position_shift_m(self.value_m + self.error.sigma_m)
     }
 }
 
@@ -296,29 +299,48 @@ impl SizeFit<'_> {
         values: &[f64],
         covariance: &SMatrix<f64, OF_BASE_AND_SIZE, OF_BASE_AND_SIZE>,
     ) -> Option<Vec<FittedSize>> {
+        let field = (self.sized)(values)?;
         let mut sizes = Vec::with_capacity(values.len());
         for (size, (param, value)) in self.params.iter().zip(values).enumerate() {
             let variance = covariance[(SIZE + size, SIZE + size)];
             if !(variance.is_finite() && variance > 0.0) {
                 return None;
             }
-            // The most likely change of the position per change of the length (conditional mean of
-            // the Gaussian), m per m.
-            let position_by_size =
-                Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
             // Observations cannot make a length less certain than its prior.
             let sigma_m = variance.sqrt().min(param.sigma_m);
-            sizes.push(FittedSize {
+            let mut fitted = FittedSize {
                 name: param.name.clone(),
                 assumed_m: param.assumed_m,
                 value_m: *value,
-                sigma_m,
-                position_sigma_m: position_by_size * sigma_m,
+                error: SizeError::alone(sigma_m),
                 is_open: param.is_open_at(sigma_m),
-            });
+            };
+            // The most likely change of the base per change of the length: the conditional mean of
+            // the Gaussian.
+            fitted.error.base_by_m = covariance.fixed_view::<OF_BASE, 1>(0, SIZE + size) / variance;
+            let (changed, by_m) = self.perturb_length(values, size)?;
+            let extents = moved_extents(&field, &changed, by_m, fitted.axis());
+            [fitted.error.still_m, fitted.error.end_m] = extents;
+            sizes.push(fitted);
         }
         Some(sizes)
     }
+}
+
+/// How far from the middle the landmarks reach that stay where they are if a field grows by so many
+/// metres along an axis, and from where on they go with the end, m.
+fn moved_extents(field: &FieldModel, larger: &FieldModel, by_m: f64, axis: usize) -> [f64; 2] {
+    let (mut still_m, mut end_m) = (0.0_f64, f64::INFINITY);
+    for (before, after) in field.landmarks.iter().zip(&larger.landmarks) {
+        let (at_m, moved_m) = (before.nominal_m[axis], after.nominal_m - before.nominal_m);
+        // The ends move by half of it.
+        if (moved_m[axis] / by_m).abs() < 0.25 {
+            still_m = still_m.max(at_m.abs());
+        } else {
+            end_m = end_m.min(at_m.abs());
+        }
+    }
+    [still_m, if end_m.is_finite() { end_m } else { 0.0 }]
 }
 
 /// A click with the derivative of its shape by each size, from the field of the current size and
@@ -424,12 +446,16 @@ mod tests {
     #[test]
     fn with_one_end_alone_the_position_is_known_half_as_well_as_the_length() {
         let one_end = sizes(&[42.0, 46.0, 50.0]);
-        assert!(one_end[0].sigma_m > 2.4, "{one_end:?}");
-        let along = one_end[0].position_sigma_m;
+        let error = one_end[0].error;
+        assert!(error.sigma_m > 2.4, "{one_end:?}");
+        let along = one_end[0].position_sigma_m();
         assert!(
-            (along.x - 0.5 * one_end[0].sigma_m).abs() < 0.02 && along.yz().norm() < 0.02,
+            (along.x - 0.5 * error.sigma_m).abs() < 0.02 && along.yz().norm() < 0.02,
             "{along}"
         );
+        // The circle stays; the arc of the penalty area goes with the goal.
+        assert!((error.still_m - 9.15).abs() < 1e-9 && (32.0..33.0).contains(&error.end_m));
+        assert_eq!(one_end[1].error.end_m, 34.0);
     }
 
     #[test]
@@ -444,7 +470,8 @@ mod tests {
         // Nothing is seen that moves with the length: it stays as well known as it was assumed to
         // be.
         assert!(
-            (centre[0].sigma_m - 2.5).abs() < 0.1 && centre[0].position_sigma_m.norm() < 0.1,
+            (centre[0].error.sigma_m - 2.5).abs() < 0.1
+                && centre[0].position_sigma_m().norm() < 0.1,
             "{centre:?}"
         );
     }
@@ -453,26 +480,27 @@ mod tests {
     fn with_both_ends_the_length_adds_little_to_the_position() {
         let both = sizes(&[-42.0, -25.0, -8.0, 8.0, 25.0, 42.0]);
         assert!(
-            both[0].sigma_m < 0.3 && both[0].position_sigma_m.norm() < 0.15,
+            both[0].error.sigma_m < 0.3 && both[0].position_sigma_m().norm() < 0.15,
             "{both:?}"
         );
     }
 
     #[test]
     fn an_error_that_the_fit_did_not_see_widens_position_and_length_together() {
+        let mut error = SizeError::alone(0.5);
+        error.base_by_m[0] = 0.5;
         let mut size = FittedSize {
             name: "length_m".to_owned(),
             assumed_m: 105.0,
             value_m: 113.9,
-            sigma_m: 0.5,
-            position_sigma_m: Vec3::x() * 0.25,
+            error,
             is_open: false,
         };
         let fitted = size.clone();
         size.cover_error(0.4);
         assert_eq!(size, fitted, "less than its own");
         size.cover_error(1.3);
-        assert_eq!(size.sigma_m, 1.3);
-        assert!((size.position_sigma_m - Vec3::x() * 0.65).norm() < 1e-12);
+        assert_eq!(size.error.sigma_m, 1.3);
+        assert!((size.position_sigma_m() - Vec3::x() * 0.65).norm() < 1e-12);
     }
 }

@@ -5,7 +5,7 @@
 //! equations, a curve one; both give a residual of the same type.
 
 use super::line::nearest_point;
-use crate::camera::{PtzCamera, SHARED_COLUMNS};
+use crate::camera::{PtzCamera, SHARED_COLUMNS, SIZE_COLUMN};
 use crate::field::{Crown, FieldElement, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
 use crate::solve::WorldCurve;
@@ -268,6 +268,10 @@ pub(in crate::solve) fn by_shared(
         );
     }
     by.fixed_columns_mut::<2>(9).copy_from(by_image);
+    for (axis, size) in base.sigma.size.iter().enumerate() {
+        let motion = size.motion_at(point_in_world[axis], axis);
+        by.set_column(SIZE_COLUMN + axis, &(by_world.column(axis) * motion));
+    }
     by
 }
 

@@ -76,6 +76,20 @@ pub(super) mod optional_number {
     }
 }
 
+/// A list of numbers.
+pub(super) mod numbers {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+        finite::<S>(values)?;
+        values.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+        Vec::deserialize(deserializer)
+    }
+}
+
 /// Numbers by name.
 pub(super) mod numbers_by_name {
     use super::*;

@@ -1,10 +1,12 @@
 //! A camera of the document.
 
 use super::adapters;
+use super::size_sigma::SizeSigma;
 use crate::document::{CameraId, Extra, FieldSpec, Frame, RangedMask};
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{
-    BaseCorrelation, BaseSigma, CameraBase, FocalCurve, PtzCamera, StatedLens, StatedRadial,
+    BaseCorrelation, BaseSigma, CameraBase, FocalCurve, PtzCamera, SizeError, StatedLens,
+    StatedRadial,
 };
 use touchline_core::geometry::rotation::{distance_from_rotation, nearest_rotation};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec2, Vec3};
@@ -209,6 +211,12 @@ pub struct CameraSigma {
         skip_serializing_if = "Option::is_none"
     )]
     pub correlation: Option<BaseCorrelation>,
+    /// What is open of the field's length; absent: nothing. All other errors are given the size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<SizeSigma>,
+    /// The same of its width.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width: Option<SizeSigma>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -237,6 +245,8 @@ impl From<&BaseSigma> for CameraSigma {
                 .filter(|sigma_px| *sigma_px != Vec2::zeros()),
             correlation: Some(sigma.correlation)
                 .filter(|correlation| *correlation != BaseCorrelation::NONE),
+            length: SizeSigma::new(&sigma.size[0]),
+            width: SizeSigma::new(&sigma.size[1]),
             extra: Extra::new(),
         }
     }
@@ -253,6 +263,8 @@ impl From<&CameraSigma> for BaseSigma {
             crown_width_m: sigma.crown_width_m,
             principal_point_px: sigma.principal_point_px.unwrap_or_default(),
             correlation: sigma.correlation.unwrap_or_default(),
+            size: [&sigma.length, &sigma.width]
+                .map(|size| size.as_ref().map(SizeError::from).unwrap_or_default()),
         }
     }
 }
@@ -276,6 +288,12 @@ impl Camera {
             field: None,
             extra: Extra::new(),
         }
+    }
+
+    /// Whether its base leaves something open of the size of its field.
+    pub fn states_open_size(&self) -> bool {
+        let sigma = self.sigma.as_ref();
+        sigma.is_some_and(|sigma| sigma.length.is_some() || sigma.width.is_some())
     }
 
     /// The lens as it is stated. The middle of the picture stands for an unknown principal

@@ -204,6 +204,30 @@ impl Document {
             .unwrap_or(&self.field)
     }
 
+    /// States the field of a camera of its own, or the one that all others share. Where its size
+    /// is another or comes from elsewhere, the cameras say no more what their frames left open of
+    /// it.
+    pub fn state_field(&mut self, camera: Option<&CameraId>, field: FieldSpec) {
+        let own = camera.filter(|id| self.camera(id).is_some_and(|it| it.field.is_some()));
+        let shares = |it: &Camera| own.map_or(it.field.is_none(), |own| it.id == *own);
+        let before = own.map_or(&self.field, |own| self.field_of_camera(own));
+        let is_same = before.is_same_field(&field) && before.size == field.size;
+        for camera in self.cameras.iter_mut().filter(|it| shares(it)) {
+            if !is_same && camera.states_open_size() {
+                let camera = &mut **camera;
+                if let Some(sigma) = &mut camera.sigma {
+                    (sigma.length, sigma.width) = (None, None);
+                }
+            }
+            if own.is_some() {
+                camera.field = Some(field.clone());
+            }
+        }
+        if own.is_none() {
+            self.field = field;
+        }
+    }
+
     /// The camera of a solved frame, as it is shown and exported.
     pub fn ptz_camera(&self, frame: &Frame) -> Option<PtzCamera> {
         self.camera_of(frame)?.ptz_camera(frame)

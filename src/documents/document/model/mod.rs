@@ -23,4 +23,5 @@ pub mod mask;
 pub mod repeat;
 pub mod shared;
 pub mod shot;
+pub mod size_sigma;
 pub mod solution;

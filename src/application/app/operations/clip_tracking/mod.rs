@@ -194,7 +194,7 @@ fn describe_length(
         pluralise(*frames, "frame"),
         size.name.trim_end_matches("_m"),
         size.value_m,
-        size.sigma_m,
+        size.error.sigma_m,
         size.assumed_m
     )
 }
@@ -259,6 +259,7 @@ mod tests {
     use super::*;
     use crate::app::Action;
     use touchline_calibration::proposals::Finder;
+    use touchline_core::camera::SizeError;
     use touchline_core::geometry::Vec3;
     use touchline_core::solve::base::FittedSize;
     use touchline_core::testing::{SIZE, base_at};
@@ -299,8 +300,7 @@ mod tests {
             name,
             assumed_m,
             value_m,
-            sigma_m,
-            position_sigma_m: Vec3::zeros(),
+            error: SizeError::alone(sigma_m),
             is_open: false,
         };
         LengthOnLines {

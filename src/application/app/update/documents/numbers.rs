@@ -103,11 +103,7 @@ impl App {
             let shown = app.session.frame;
             let Some(open) = &mut app.open else { return };
             let camera = open.frame(shown).map(|frame| frame.camera.clone());
-            let own = camera.and_then(|camera| open.document.camera_mut(&camera)?.field.as_mut());
-            match own {
-                Some(own) => *own = field,
-                None => open.document.field = field,
-            }
+            open.document.state_field(camera.as_ref(), field);
             solve_if_by_clicks(open, shown);
         })
     }

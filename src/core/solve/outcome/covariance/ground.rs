@@ -9,7 +9,7 @@
 
 use super::Uncertainty;
 use super::overlay::OverlayPoint;
-use crate::camera::{PtzCamera, SHARED_COLUMNS};
+use crate::camera::{PtzCamera, SHARED_COLUMNS, SIZE_COLUMN};
 use crate::geometry::Vec3;
 use nalgebra::{Matrix2, SMatrix};
 
@@ -27,7 +27,9 @@ impl Uncertainty {
     /// seen edge-on.
     #[must_use]
     pub fn ground_error(&self, camera: &PtzCamera, point_in_world: Vec3) -> Option<GroundError> {
-        let point = OverlayPoint::at_world(camera, point_in_world)?;
+        let mut point = OverlayPoint::at_world(camera, point_in_world)?;
+        // A place is so many metres from the middle of the field, wherever lines are drawn.
+        point.by_base.fixed_columns_mut::<2>(SIZE_COLUMN).fill(0.0);
         let ground_by_image = point.image_by_ground.try_inverse()?;
         let by_ptz = ground_by_image * point.by_ptz;
         Some(GroundError {

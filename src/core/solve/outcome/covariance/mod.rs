@@ -40,9 +40,10 @@ pub struct Uncertainty {
     /// σ² A Aᵀ: the clicks' part, in (pan rad, tilt rad, focal px).
     pub clicks: Mat3,
     /// K: how the solution follows an error of the base: position (m), a rotation vector in `world`
-    /// (rad), k₁, its slope per 1000 px, crown (m), principal point (px).
+    /// (rad), k₁, its slope per 1000 px, crown (m), principal point (px), length and width of the
+    /// field (m).
     pub by_base: SMatrix<f64, 3, SHARED_COLUMNS>,
-    /// L: L Lᵀ is the covariance of the base in the same coordinates.
+    /// L: L Lᵀ is the covariance of the base and of the size in the same coordinates.
     pub base_root: SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>,
 }
 
@@ -310,9 +311,10 @@ mod tests {
     use super::*;
     use crate::camera::{
         BaseSigma, CameraBase, FocalCurve, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError,
+        SizeError,
     };
     use crate::solve::fixtures::base;
-    use crate::testing::{SIZE, TestBase};
+    use crate::testing::{SIZE, TestBase, base_at};
 
     /// Errors of which most go together.
     fn together() -> SharedCovariance {
@@ -440,6 +442,97 @@ mod tests {
         assert!(
             expected[(0, 0)] > 0.0 && found == expected,
             "{found} {expected}"
+        );
+    }
+
+    /// A camera that was solved from clicks on the circle, on a pitch of which one length is open.
+    fn of_open_length(error: SizeError) -> (PtzCamera, Uncertainty) {
+        let sigma = BaseSigma {
+            size: [error, SizeError::default()],
+            ..BaseSigma::default()
+        };
+        let camera = base_at([0.0, -60.0, 18.0], SIZE).aim(0.0, -14.0, 1200.0);
+        let camera = PtzCamera::new(
+            CameraBase {
+                sigma,
+                ..*camera.base()
+            },
+            camera.ptz(),
+        );
+        let clicks = [[0.0, 9.15], [0.0, -9.15], [9.15, 0.0], [-9.15, 0.0]].map(|[x, y]| {
+            let at = Vec3::new(x, y, 0.0);
+            Observation::from_point(at, camera.image_from_world(at).unwrap(), 1e-3, 0)
+        });
+        let known = Uncertainty::from_observations(&camera, &clicks, None).unwrap();
+        (camera, known)
+    }
+
+    #[test]
+    fn an_end_that_was_not_seen_is_off_by_half_of_the_lengths_error() {
+        let error = SizeError {
+            still_m: 9.15,
+            end_m: 32.35,
+            ..SizeError::alone(4.0)
+        };
+        let (camera, known) = of_open_length(error);
+        let sigma_px = |x: f64| {
+            let covariance = known
+                .overlay_at_world(&camera, Vec3::new(x, 0.0, 0.0))
+                .unwrap();
+            covariance.trace().sqrt()
+        };
+        let px_of_2_m = |x: f64| {
+            let [one, other] = [x - 1.0, x + 1.0].map(|x| Vec3::new(x, 0.0, 0.0));
+            let seen = [one, other].map(|at| camera.image_from_world(at).unwrap());
+            seen[0].offset_from(seen[1]).norm()
+        };
+        assert!((sigma_px(41.5) / px_of_2_m(41.5) - 1.0).abs() < 0.01);
+        assert!((sigma_px(-36.0) / px_of_2_m(-36.0) - 1.0).abs() < 0.01);
+        // What was seen, and ground without a line that the length moves, are drawn where they are.
+        assert!(sigma_px(0.0) < 0.01 && sigma_px(20.0) < 0.01);
+        // On the ground a place is so many metres from the middle, whatever the length is.
+        let at_end = known
+            .ground_error(&camera, Vec3::new(41.5, 0.0, 0.0))
+            .unwrap();
+        assert!(at_end.sigma_m() < 0.01, "{at_end:?}");
+    }
+
+    #[test]
+    fn a_base_that_goes_with_one_end_draws_the_rest_as_far_off() {
+        let mut error = SizeError {
+            still_m: 9.15,
+            end_m: 32.35,
+            ..SizeError::alone(4.0)
+        };
+        error.base_by_m[0] = 0.5;
+        let base = base_at([0.0, -60.0, 18.0], SIZE);
+        let sigma = BaseSigma {
+            size: [error, SizeError::default()],
+            ..BaseSigma::default()
+        };
+        let camera = CameraBase { sigma, ..base }.aim(0.0, -14.0, 1200.0);
+        // Not turned with what it sees, as by clicks on both sides.
+        let known = Uncertainty {
+            clicks: Mat3::zeros(),
+            by_base: SMatrix::zeros(),
+            base_root: sigma.root(),
+        };
+        let sigma_px = |x: f64| {
+            let covariance = known
+                .overlay_at_world(&camera, Vec3::new(x, 0.0, 0.0))
+                .unwrap();
+            covariance.trace().sqrt()
+        };
+        let px_per_m = 1200.0 / 60.0_f64.hypot(18.0);
+        assert!(sigma_px(41.5) < 1e-9 && sigma_px(25.0) < 1e-9);
+        assert!((sigma_px(0.0) / (2.0 * px_per_m) - 1.0).abs() < 0.05);
+        assert!(sigma_px(-41.5) > 1.5 * sigma_px(0.0), "twice as far off");
+        assert!(
+            known
+                .ground_error(&camera, Vec3::zeros())
+                .unwrap()
+                .sigma_m()
+                > 1.9
         );
     }
 }

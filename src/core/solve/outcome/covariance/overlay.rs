@@ -3,7 +3,7 @@
 //! together here, because both move the overlay.
 
 use super::{FAR_M, Uncertainty};
-use crate::camera::{PtzCamera, SHARED_COLUMNS};
+use crate::camera::{PtzCamera, SHARED_COLUMNS, SIZE_COLUMN};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 use crate::solve::observations::shape::by_shared;
 use nalgebra::{Matrix2, Matrix2x3, SMatrix};
@@ -231,9 +231,10 @@ impl Uncertainty {
 
         // The trace of M L (M L)ᵀ.
         for column in 0..SHARED_COLUMNS {
-            // L is lower triangular, so the sum starts at the diagonal.
+            // L is lower triangular but for the size, so the sum starts at the diagonal.
+            let first = if column < SIZE_COLUMN { column } else { 0 };
             let rows =
-                (column..SHARED_COLUMNS).map(|row| by_base[row] * self.base_root[(row, column)]);
+                (first..SHARED_COLUMNS).map(|row| by_base[row] * self.base_root[(row, column)]);
             let moved = rows.fold(Vec2::zeros(), |sum, by_row| sum + by_row);
             variances += moved.component_mul(&moved);
         }
