@@ -81,6 +81,22 @@ impl PlayClock {
     }
 }
 
+/// The last frame that was due some time before another one of its video, s; the first that is
+/// followed by no jump to another video at least.
+pub fn frame_earlier(open: &OpenProject, frame: usize, by_s: f64) -> usize {
+    let at_s = time_s(open, frame) - by_s;
+    let before = (0..frame).rev();
+    let of_video = before.take_while(|at| is_same_video(open, *at, frame));
+    let mut first = frame;
+    for at in of_video {
+        first = at;
+        if time_s(open, at) <= at_s {
+            break;
+        }
+    }
+    first
+}
+
 /// Whether two frames are of the same video, or both of none.
 fn is_same_video(open: &OpenProject, one: usize, other: usize) -> bool {
     let [one, other] = [one, other].map(|at| open.frame(at)?.video_path());

@@ -314,6 +314,8 @@ pub enum ViewAction {
     TypePath(Question),
     /// Set the speed of the video.
     SetSpeed(PlaySpeed),
+    /// Show the frame that is due in the playing video.
+    PlayTo(usize),
     /// Pause the video, at its end or because the user does something else.
     Pause,
 }

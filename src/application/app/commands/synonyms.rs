@@ -12,6 +12,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::ConfirmFieldSize | C::FitFieldSize => "pitch dimensions length width",
         C::Accept | C::AcceptAndStay => "approve confirm reference keyframe",
         C::AcceptAllAbove => "bulk approve batch confidence",
+        C::AcceptPlayed | C::StopAtWrong => "review approve watch playback",
         C::AcceptStretch => "bulk approve range span selection",
         C::Reject | C::RejectShot => "skip discard unusable close-up replay",
         C::DeleteClick => "remove landmark keypoint",

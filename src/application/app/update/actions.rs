@@ -59,7 +59,8 @@ impl App {
             ViewAction::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),
             ViewAction::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
             ViewAction::SetSpeed(speed) => self.session.video.speed = speed,
-            ViewAction::Pause => self.session.video.playing = false,
+            ViewAction::PlayTo(frame) => self.play_to(frame),
+            ViewAction::Pause => self.pause(),
         }
     }
 

@@ -103,6 +103,9 @@ impl App {
             {
                 Some("Masks are being drawn: Esc ends that first.")
             }
+            C::AcceptPlayed | C::StopAtWrong if !self.has_watched() => {
+                Some("No suggestion was played: P plays the video.")
+            }
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
             C::Save
             | C::Import
@@ -235,6 +238,8 @@ impl App {
             C::LastFrame => self.go_to(usize::MAX),
             C::GoToPlace => self.session.dialog = Some(Dialog::GoToPlace),
             C::PlayPause => self.toggle_playing(),
+            C::AcceptPlayed => self.accept_played(),
+            C::StopAtWrong => self.stop_at_wrong(),
             C::NextShot => self.go_to_shot(true),
             C::PreviousShot => self.go_to_shot(false),
             C::AddCut => self.add_cut(),

@@ -7,6 +7,9 @@ pub struct VideoState {
     pub playing: bool,
     /// The speed.
     pub speed: PlaySpeed,
+    /// The first and the last of the frames that were played without a jump between them, up to
+    /// now or to the last pause.
+    pub played: Option<(usize, usize)>,
     /// Whether the picture of the shown frame is still being decoded; the screen then shows another
     /// frame's.
     pub picture_awaited: bool,

@@ -14,7 +14,7 @@ use touchline_application::app::operations::{
 use touchline_application::app::selection::Scope;
 use touchline_application::app::transfer::TransferAction;
 use touchline_application::app::{
-    Action, CameraChoice, Command, EditAction, Navigation, PointerAction, Question,
+    Action, CameraChoice, Command, EditAction, Navigation, PointerAction, Question, ViewAction,
 };
 use touchline_calibration::autocalibrate::AutocalibrationAnswer;
 use touchline_calibration::calibrate::{LengthOnLines, TrackedClip};
@@ -72,6 +72,15 @@ fn nothing(_: &mut Scene) {}
 
 fn go_to(scene: &mut Scene, frame: usize) {
     scene.act(Action::Navigate(Navigation::GoTo(frame)));
+}
+
+/// The first frames of a document, played and paused.
+fn play(scene: &mut Scene) {
+    scene.command(Command::PlayPause);
+    for frame in 1..4 {
+        scene.act(Action::View(ViewAction::PlayTo(frame)));
+    }
+    scene.command(Command::PlayPause);
 }
 
 fn track(scene: &mut Scene) {
@@ -246,6 +255,8 @@ pub fn plan(command: Command) -> Plan {
             scene.command(C::AcceptAllAbove);
             scene.edit(EditAction::AcceptAll);
         }),
+        C::AcceptPlayed => change(suggested, play, |scene| scene.command(C::AcceptPlayed)),
+        C::StopAtWrong => change(suggested, play, |scene| scene.command(C::StopAtWrong)),
         C::AcceptStretch => works(
             in_one_shot,
             |scene| {

@@ -96,6 +96,8 @@ const SUBMENUS: [(&str, &[Command]); 14] = [
             Command::AcceptAnyway,
             Command::AcceptStretch,
             Command::AcceptAllAbove,
+            Command::AcceptPlayed,
+            Command::StopAtWrong,
             Command::Reject,
             Command::RejectShot,
         ],

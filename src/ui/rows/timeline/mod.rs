@@ -117,7 +117,7 @@ pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
     let decoded: BTreeSet<usize> = panel.pictures.decoded_frames().into_iter().collect();
     let due = clock.frame_at(now_s, open, |frame| decoded.contains(&frame));
     if due != shown {
-        panel.go_to(due);
+        panel.view(ViewAction::PlayTo(due));
     }
     // Drawn again when the next frame is due, or soon, if it is still to be decoded.
     let wait = if decoded.contains(&(due + 1)) {

@@ -66,6 +66,7 @@ pub fn next_step(app: &App) -> Guidance {
     // From what the user is in the middle of to what the frame lacks.
     begun(app)
         .or_else(|| guide_base_estimate(app))
+        .or_else(|| playing(app))
         .or_else(|| stretch(app))
         .or_else(|| {
             app.session
@@ -129,6 +130,19 @@ fn guide_awaited_frame(app: &App) -> Option<Guidance> {
     Some(Guidance::say(format!(
         "{says} Review others meanwhile ({next}); a click here goes before it."
     )))
+}
+
+/// Suggestions are reviewed by playing them.
+fn playing(app: &App) -> Option<Guidance> {
+    let is_playing = app.session.video.playing;
+    if !is_playing || app.why_not(Command::StopAtWrong).is_some() {
+        return None;
+    }
+    let wrong = app.settings.keys.key_or_name(Command::StopAtWrong);
+    let text = format!(
+        "Watch the lines. {wrong} stops where they begin to be off and accepts what was before."
+    );
+    Some(Guidance::say(text).with_button("Wrong from here", Command::StopAtWrong))
 }
 
 /// Frames that are selected: what is accepted now are these.

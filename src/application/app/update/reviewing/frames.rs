@@ -18,6 +18,10 @@ impl App {
             return;
         }
         self.commit_open_step();
+        // What is played from here on begins here.
+        if self.session.video.playing {
+            self.session.video.played = None;
+        }
         self.session.frame = frame;
         self.session.points.selected = None;
         self.session.points.hover = None;

@@ -145,28 +145,37 @@ impl App {
             self.session.notify(Level::Info, none);
             return;
         }
-        let count = pluralise(
-            frames.len(),
-            if is_stretch { "frame" } else { "suggestion" },
-        );
+        let noun = if is_stretch { "frame" } else { "suggestion" };
+        if self.accept_together(&frames, noun, is_stretch) {
+            self.session.unticked.clear();
+            if is_stretch {
+                self.session.frames_selected.clear();
+            }
+        }
+    }
+
+    /// Accepts frames in one step of undo; where they are accepted because of their paint, the
+    /// evidence stays with them. Returns false, with a message, if that is impossible now.
+    pub(in crate::app::update) fn accept_together(
+        &mut self,
+        frames: &[usize],
+        noun: &str,
+        by_paint: bool,
+    ) -> bool {
+        let count = pluralise(frames.len(), noun);
         if !self.begin_step(Step::on_document(format!("Accept {count}"))) {
-            return;
+            return false;
         }
         for index in frames {
-            if let Some(frame) = self.frame_mut_at(index) {
+            if let Some(frame) = self.frame_mut_at(*index) {
                 frame.status = FrameStatus::Reference;
                 frame.reason = None;
             }
-            if is_stretch {
-                // It was accepted because of its paint: the evidence stays with it.
-                self.record_paint_of(index);
+            if by_paint {
+                self.record_paint_of(*index);
             }
         }
         self.commit();
-        self.session.unticked.clear();
-        if is_stretch {
-            self.session.frames_selected.clear();
-        }
         let no_tracked_waits = self.open.as_ref().is_some_and(|open| {
             let mut frames = open.document.frames.iter();
             !frames.any(|frame| is_suggested(frame) && frame.is_tracked())
@@ -179,6 +188,7 @@ impl App {
             Level::Info,
             format!("{count} accepted. {undo} undoes all of it."),
         );
+        true
     }
 
     fn is_suggested_at(&self, place: usize) -> bool {
