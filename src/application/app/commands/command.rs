@@ -175,8 +175,14 @@ rows! {
     LastFrame, "last_frame", Frame, Document, Frame, "Last frame", "Go to the last frame.", ["End"];
     GoToPlace, "go_to_place", Frame, Document, Frame, "Go to frame or time…", "Type a frame's number or a time: 500 or 1:23.4.", ["Ctrl+G"];
     PlayPause, "play_pause", Frame, Document, Frame, "Play or pause", "Play the video at its own rate, or at the speed beside the timeline.", ["P"];
-    AcceptPlayed, "accept_played", Frame, Document, Frame, "Accept what was played", "Accept the suggestions that were played since the video was started, or since a jump in it. One step of undo.", ["Shift+P"];
-    StopAtWrong, "stop_at_wrong", Frame, Document, Frame, "Wrong from here", "Stop the video where the lines begin to be off: what was played before is accepted, the frames from here on wait. One step of undo.", ["W"];
+    AcceptPlayed, "accept_played", Frame, Document, Frame, "Accept what was played",
+        "Accept the suggestions that were played since the video was started, or since a jump in \
+         it. One step of undo.",
+        ["Shift+P"];
+    StopAtWrong, "stop_at_wrong", Frame, Document, Frame, "Wrong from here",
+        "Stop the video where the lines begin to be off: what was played before is accepted, the \
+         frames from here on wait. One step of undo.",
+        ["W"];
     NextShot, "next_shot", Frame, Document, Frame, "Next shot", "Go to the first frame of the next shot of this video.", ["PageDown"];
     PreviousShot, "previous_shot", Frame, Document, Frame, "Previous shot", "Go to the first frame of this shot, or of the one before.", ["PageUp"];
     FindShots, "find_shots", Frame, Document, Frame, "Find the cuts", "Look at every frame of this video for cuts between shots, in the background; shots marked before are replaced. One step of undo.", [];

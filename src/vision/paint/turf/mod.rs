@@ -1,6 +1,6 @@
 //! The ground in a picture: which part shows the field and its surroundings, which colours it has
-//! in any light, how bright the turf is around a point, and where nothing stands in front of it. The search for paint builds on this.
-//! Lines and cameras are not known here.
+//! in any light, how bright the turf is around a point, and where nothing stands in front of it.
+//! The search for paint builds on this. Lines and cameras are not known here.
 
 pub mod even_areas;
 pub mod ground;
