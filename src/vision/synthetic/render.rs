@@ -4,7 +4,6 @@
 use super::lens::{Exposure, Pixel, still};
 use super::light::Light;
 use super::options::FrameOptions;
-use super::play::Side;
 use super::props::{Mover, Prop, movers};
 use super::ray::{Ray, RayCaster};
 use super::solid::Touch;
@@ -35,16 +34,6 @@ pub struct SeenMover {
     pub mover: Mover,
     /// What it covers, px.
     pub area: PixelBox,
-}
-
-impl SeenMover {
-    /// The side a person belongs to; none for the ball.
-    pub const fn side(&self) -> Option<Side> {
-        match self.mover {
-            Mover::Person(side) => Some(side),
-            Mover::Ball => None,
-        }
-    }
 }
 
 /// The side of the grid of samples in a pixel on an edge.
