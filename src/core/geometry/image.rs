@@ -178,6 +178,16 @@ pub struct PixelBox {
 }
 
 impl PixelBox {
+    /// From the left and top edge and the extents, px.
+    pub const fn new(x: f64, y: f64, width: f64, height: f64) -> Self {
+        Self {
+            x,
+            y,
+            width,
+            height,
+        }
+    }
+
     /// Whether a point lies in the box, its left and top border included.
     pub fn contains(&self, point: ImagePoint) -> bool {
         point.x >= self.x

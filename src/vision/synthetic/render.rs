@@ -384,12 +384,12 @@ impl PlacedProp {
                 }
             }
         }
-        let area = PixelBox {
-            x: low[0] as f64,
-            y: low[1] as f64,
-            width: high[0].checked_sub(low[0])? as f64,
-            height: high[1].checked_sub(low[1])? as f64,
-        };
+        let area = PixelBox::new(
+            low[0] as f64,
+            low[1] as f64,
+            high[0].checked_sub(low[0])? as f64,
+            high[1].checked_sub(low[1])? as f64,
+        );
         Some(SeenMover { mover, area })
     }
 }

@@ -206,12 +206,7 @@ pub(super) mod pixel_box {
 
     /// A box of its four numbers.
     pub(super) fn from_sides([x, y, width, height]: [f64; 4]) -> PixelBox {
-        PixelBox {
-            x,
-            y,
-            width,
-            height,
-        }
+        PixelBox::new(x, y, width, height)
     }
 
     /// The four numbers of a box that are written.

@@ -83,11 +83,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     // Towards 180° the focal length goes to zero; written so that NaN is refused.
     if !(view < 179.0) {
         let what = format!("[{name:?}].cp.horizontalFieldOfViewDegrees");
-        return Err(Problem::OutOfRange {
-            what,
-            value: view,
-            wanted: "below 179",
-        });
+        return Err(Problem::out_of_range(what, view, "below 179"));
     }
     let angles = camera.angles_at(["panDegrees", "tiltDegrees", "rollDegrees"])?;
     let position = camera.numbers_at(["positionXMeters", "positionYMeters", "positionZMeters"])?;
@@ -106,10 +102,10 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     let terms = terms.unwrap_or_default();
     if terms.iter().skip(2).any(|term| *term != 0.0) {
         let what = "a third distortion coefficient".to_owned();
-        return Err(Problem::Unsupported {
+        return Err(Problem::unsupported(
             what,
-            why: "the document's lens has k1 and k2 only",
-        });
+            "the document's lens has k1 and k2 only",
+        ));
     }
     // The unit of the coefficients depends on the focal length, which is known only now.
     let unit = unit(&pinhole, size);

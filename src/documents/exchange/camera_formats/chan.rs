@@ -73,21 +73,18 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
         return Ok(None);
     }
     let found = values.len();
-    let [number, x, y, z, rx, ry, rz, view]: [f64; 8] =
-        values.try_into().map_err(|_| Problem::Count {
-            what: "columns".to_owned(),
-            wanted: 8,
-            found,
-        })?;
+    let [number, x, y, z, rx, ry, rz, view]: [f64; 8] = values
+        .try_into()
+        .map_err(|_| Problem::wrong_count("columns", 8, found))?;
     let number = frame_number("the frame", number)?;
     // Towards 180° the focal length goes to zero; written so that NaN is refused.
     if !(view > 0.0 && view < 179.0) {
         let what = "the field of view".to_owned();
-        return Err(Problem::OutOfRange {
+        return Err(Problem::out_of_range(
             what,
-            value: view,
-            wanted: "between 0 and 179 degrees",
-        });
+            view,
+            "between 0 and 179 degrees",
+        ));
     }
     // `read` refuses files without a given size before any line is read.
     let size = options.size.unwrap_or_default();

@@ -207,10 +207,10 @@ fn size_of(entries: &Entries, options: &ImportOptions) -> Result<ImageSize, Prob
         return Ok(size);
     }
     if !entries.contains_key("image_width") {
-        return Err(Problem::OptionNeeded {
-            what: "the size of the picture (image_width, image_height)".to_owned(),
-            option: "--size WIDTHxHEIGHT",
-        });
+        return Err(Problem::option_needed(
+            "the size of the picture (image_width, image_height)",
+            "--size WIDTHxHEIGHT",
+        ));
     }
     Ok(ImageSize::new(
         side(entries, "image_width")?,
@@ -276,11 +276,11 @@ fn values_of<'a>(entries: &'a Entries, key: &str, wanted: usize) -> Result<&'a [
             found: "a text".to_owned(),
         });
     }
-    Err(Problem::Count {
-        what: format!("{key} (numbers)"),
+    Err(Problem::wrong_count(
+        format!("{key} (numbers)"),
         wanted,
-        found: values.len(),
-    })
+        values.len(),
+    ))
 }
 
 /// A side of the picture, px.

@@ -178,11 +178,7 @@ fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
     )?;
     let [width, height]: [f64; 2] = sides.try_into().map_err(|sides: Vec<f64>| {
         let (what, found) = ("sides of the picture".to_owned(), sides.len());
-        Problem::Count {
-            what,
-            wanted: 2,
-            found,
-        }
+        Problem::wrong_count(what, 2, found)
     })?;
     let size = ImageSize::new(side_px("width", width)?, side_px("height", height)?);
     let mm_per_px = float_attribute(prim, "horizontalAperture")? / width;

@@ -40,6 +40,19 @@ pub struct LabelledFrame {
     pub masks: Vec<PixelBox>,
 }
 
+impl LabelledFrame {
+    /// A frame with its marks, without masks.
+    pub fn new(name: &str, image: Option<String>, size: ImageSize, marks: Vec<Mark>) -> Self {
+        Self {
+            name: name.to_owned(),
+            image,
+            size,
+            marks,
+            masks: Vec::new(),
+        }
+    }
+}
+
 /// A point with a label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
@@ -72,11 +85,11 @@ impl Mark {
         /// Peaks of heat maps that are written as probabilities exceed 1 by a little.
         const MOST: f64 = 1.1;
         if !(0.0..=MOST).contains(&probability) {
-            return Err(Problem::OutOfRange {
-                what: format!("the probability of {:?}", shorten(&self.label)),
-                value: probability,
-                wanted: "between 0 and 1; files of labels are imported without --points",
-            });
+            return Err(Problem::out_of_range(
+                format!("the probability of {:?}", shorten(&self.label)),
+                probability,
+                "between 0 and 1; files of labels are imported without --points",
+            ));
         }
         Ok(Self {
             probability: Some(probability.min(1.0)),
@@ -121,10 +134,7 @@ pub fn size_or_option(
 /// The error about a picture of unknown size.
 pub fn size_needed(image: &str) -> Problem {
     let what = format!("the size of {:?}", shorten(image));
-    Problem::OptionNeeded {
-        what,
-        option: "--size WIDTHxHEIGHT or --images FOLDER",
-    }
+    Problem::option_needed(what, "--size WIDTHxHEIGHT or --images FOLDER")
 }
 
 /// The path of a picture from the folder of pictures. Where the user gave that folder, a path that

@@ -101,11 +101,7 @@ pub(in crate::exchange) fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
     if value.fract() == 0.0 && value.abs() < 9e15 {
         return Ok(value as i64);
     }
-    Err(Problem::OutOfRange {
-        what: node.path().to_owned(),
-        value,
-        wanted: "a whole number",
-    })
+    Err(Problem::out_of_range(node.path(), value, "a whole number"))
 }
 
 /// The frames of a file with images, categories and annotations.
@@ -157,13 +153,12 @@ pub(in crate::exchange) fn read_with(
             });
         }
         let name = picture_path(image.key("file_name")?.text()?, options)?;
-        frames.push(LabelledFrame {
-            masks: Vec::new(),
-            image: Some(name.clone()),
-            name,
-            size: image.size_at("width", "height")?,
-            marks: Vec::new(),
-        });
+        frames.push(LabelledFrame::new(
+            &name,
+            Some(name.clone()),
+            image.size_at("width", "height")?,
+            Vec::new(),
+        ));
     }
     for annotation in root.key("annotations")?.items()? {
         // Boxes and masks of other categories may be in the same file.
@@ -199,11 +194,7 @@ fn annotation_marks(
     let values = points.all_numbers()?;
     if values.len() != 3 * of.len() {
         let what = format!("{} (numbers)", points.path());
-        return Err(Problem::Count {
-            what,
-            wanted: 3 * of.len(),
-            found: values.len(),
-        });
+        return Err(Problem::wrong_count(what, 3 * of.len(), values.len()));
     }
     // Visibility 1 is a point that is hidden in the picture and was placed all the same.
     let marks = marks_of_keypoints(&values, of, (third, shift))?;

@@ -143,11 +143,9 @@ fn points(shape: Element<'_>, label: &str, shift: f64) -> Result<Vec<Mark>, Prob
                 .map(|part| number("points", part))
                 .collect::<Result<Vec<_>, _>>()?;
             let found = coordinates.len();
-            let [x, y]: [f64; 2] = coordinates.try_into().map_err(|_| Problem::Count {
-                what: "coordinates of a point".to_owned(),
-                wanted: 2,
-                found,
-            })?;
+            let [x, y]: [f64; 2] = coordinates
+                .try_into()
+                .map_err(|_| Problem::wrong_count("coordinates of a point", 2, found))?;
             Ok(Mark::new(
                 label.to_owned(),
                 ImagePoint::new(x + shift, y + shift),
@@ -306,13 +304,12 @@ fn read_image(
         None => name,
     };
     let size = ImageSize::new(side(image, "width")?, side(image, "height")?);
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        image: Some(name.clone()),
-        name,
+    Ok(LabelledFrame::new(
+        &name,
+        Some(name.clone()),
         size,
-        marks: marks_of_image(image, shift)?,
-    })
+        marks_of_image(image, shift)?,
+    ))
 }
 
 fn read_file(
@@ -340,13 +337,12 @@ fn read_file(
             .or(options.size)
             .ok_or_else(|| Problem::Missing("<original_size>".to_owned()))?;
         for (number, marks) in tracks {
-            frames.push(LabelledFrame {
-                masks: Vec::new(),
-                name: format!("frame_{number:06}"),
-                image: None,
+            frames.push(LabelledFrame::new(
+                &format!("frame_{number:06}"),
+                None,
                 size,
                 marks,
-            });
+            ));
         }
     }
     Ok(frames)

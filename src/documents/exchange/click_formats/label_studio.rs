@@ -185,10 +185,7 @@ fn read_task(
             .is_some_and(|turn| turn.value().as_f64() != Some(0.0))
         {
             let what = format!("{}.image_rotation", result.path());
-            return Err(Problem::Unsupported {
-                what,
-                why: "rotate the picture itself",
-            });
+            return Err(Problem::unsupported(what, "rotate the picture itself"));
         }
         if let Some(of_result) = result.find_size("original_width", "original_height")? {
             size = Some(of_result);
@@ -201,13 +198,7 @@ fn read_task(
         marks.extend(marks_of(&value, &labels, known, shift)?);
     }
     let size = size.ok_or_else(|| size_needed(&image))?;
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        name: image.clone(),
-        image: Some(image),
-        size,
-        marks,
-    })
+    Ok(LabelledFrame::new(&image, Some(image.clone()), size, marks))
 }
 
 impl ClickFormat for LabelStudio {

@@ -72,10 +72,10 @@ fn read_file(
             "a file of {} × {} px for a picture of {} × {}",
             stated.width, stated.height, there.width, there.height
         );
-        return Err(Problem::Unsupported {
+        return Err(Problem::unsupported(
             what,
-            why: "labelme rotates pictures by their EXIF orientation; save it rotated",
-        });
+            "labelme rotates pictures by their EXIF orientation; save it rotated",
+        ));
     }
     let size = size_or_option(&image, stated.or(there), options)?;
     let mut marks = Vec::new();
@@ -95,13 +95,12 @@ fn read_file(
             ));
         }
     }
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        name: without_ending(&image).to_owned(),
-        image: Some(image),
+    Ok(LabelledFrame::new(
+        without_ending(&image),
+        Some(image.clone()),
         size,
         marks,
-    })
+    ))
 }
 
 impl ClickFormat for Labelme {

@@ -39,11 +39,7 @@ fn sigma_of(sigma_px: f64) -> Result<f64, Problem> {
     if sigma_px > 0.0 {
         return Ok(sigma_px);
     }
-    Err(Problem::OutOfRange {
-        what: "sigma_px".to_owned(),
-        value: sigma_px,
-        wanted: "positive",
-    })
+    Err(Problem::out_of_range("sigma_px", sigma_px, "positive"))
 }
 
 /// The point of a row.
@@ -81,13 +77,12 @@ fn read_table(
         } else {
             let own = size_of(&row)?.or_else(|| (reading.sizes)(&name));
             at.insert(name.clone(), frames.len());
-            frames.push(LabelledFrame {
-                masks: Vec::new(),
-                size: size_or_option(&name, own, reading.options)?,
-                image: Some(name.clone()),
-                name,
-                marks: Vec::new(),
-            });
+            frames.push(LabelledFrame::new(
+                &name,
+                Some(name.clone()),
+                size_or_option(&name, own, reading.options)?,
+                Vec::new(),
+            ));
             frames.len() - 1
         };
         let read = mark_of(&row, reading.options);
@@ -114,13 +109,12 @@ fn read_object(
         });
         marks.extend(unread.keep(file, Some(&name), read));
     }
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        size: size_or_option(&name, (reading.sizes)(&name), reading.options)?,
-        image: None,
-        name,
+    Ok(LabelledFrame::new(
+        &name,
+        None,
+        size_or_option(&name, (reading.sizes)(&name), reading.options)?,
         marks,
-    })
+    ))
 }
 
 impl ClickFormat for PointsTable {

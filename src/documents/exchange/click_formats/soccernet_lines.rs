@@ -164,13 +164,7 @@ impl ClickFormat for SoccerNetLines {
             let size = size_or_option(path, (reading.sizes)(path), reading.options)?;
             let marks = value.and_then(|value| marks_of_shares(&Node::root(&value), size));
             let marks = unread.keep(file, None, marks);
-            let frame = marks.map(|marks| LabelledFrame {
-                masks: Vec::new(),
-                name: path.to_owned(),
-                image: None,
-                size,
-                marks,
-            });
+            let frame = marks.map(|marks| LabelledFrame::new(path, None, size, marks));
             Ok(frame.into_iter().collect())
         })
     }

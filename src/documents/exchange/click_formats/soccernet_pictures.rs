@@ -127,14 +127,14 @@ impl Unit {
         if (-0.5..=1.5).contains(&share) {
             return Ok(share * side);
         }
-        Err(Problem::OutOfRange {
-            what: coordinate.path().to_owned(),
+        Err(Problem::out_of_range(
+            coordinate.path(),
             value,
-            wanted: match self {
+            match self {
                 Self::Share => "a share of the picture, 0 to 1",
                 Self::Pixel => "a pixel of the picture",
             },
-        })
+        ))
     }
 }
 
@@ -154,13 +154,12 @@ fn read_game_state(
         let name = image.key("file_name")?.text()?;
         let name = safe_path(&format!("{folder}{name}"))?;
         at.insert(image.key("image_id")?.text()?.to_owned(), frames.len());
-        frames.push(LabelledFrame {
-            masks: Vec::new(),
-            image: Some(name.clone()),
-            name,
-            size: image.size_at("width", "height")?,
-            marks: Vec::new(),
-        });
+        frames.push(LabelledFrame::new(
+            &name,
+            Some(name.clone()),
+            image.size_at("width", "height")?,
+            Vec::new(),
+        ));
     }
     for annotation in root.key("annotations")?.items()? {
         // People and the ball have boxes.
@@ -261,11 +260,11 @@ fn masks_of_boxes(boxes: &Node<'_>, size: ImageSize) -> Result<Vec<PixelBox>, Pr
 fn marks_of_pixels(class: &str, points: &Node<'_>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
     let found = points.count()?;
     if !found.is_multiple_of(2) {
-        return Err(Problem::Count {
-            what: format!("{} (x and y in turn)", points.path()),
-            wanted: found + 1,
+        return Err(Problem::wrong_count(
+            format!("{} (x and y in turn)", points.path()),
+            found + 1,
             found,
-        });
+        ));
     }
     let mut coordinates = points.items()?;
     let mut marks = Vec::with_capacity(found / 2);
@@ -287,12 +286,7 @@ fn part_in_picture([left, top, right, bottom]: [f64; 4], size: ImageSize) -> Opt
         right.min(f64::from(size.width)),
         bottom.min(f64::from(size.height)),
     );
-    (right > left && bottom > top).then_some(PixelBox {
-        x: left,
-        y: top,
-        width: right - left,
-        height: bottom - top,
-    })
+    (right > left && bottom > top).then_some(PixelBox::new(left, top, right - left, bottom - top))
 }
 
 #[cfg(test)]

@@ -152,11 +152,7 @@ fn marks_of(
     let wanted = 5 + 3 * names.map_or(count, <[String]>::len);
     if values.len() != wanted || values.len() < 5 {
         let what = "columns (class, box, and x y v for each keypoint)".to_owned();
-        return Err(Problem::Count {
-            what,
-            wanted: wanted.max(8),
-            found: values.len(),
-        });
+        return Err(Problem::wrong_count(what, wanted.max(8), values.len()));
     }
     let points = values[5..]
         .chunks_exact(3)
@@ -169,11 +165,7 @@ fn marks_of(
         .map(|(index, point)| {
             if third == ThirdNumber::Visibility && ![1.0, 2.0].contains(&point[2]) {
                 let what = format!("the visibility of keypoint {index}");
-                return Err(Problem::OutOfRange {
-                    what,
-                    value: point[2],
-                    wanted: "0, 1 or 2",
-                });
+                return Err(Problem::out_of_range(what, point[2], "0, 1 or 2"));
             }
             // Ultralytics allows this much beyond the border (`verify_image_label`).
             if let Some(value) = point[..2]
@@ -181,11 +173,7 @@ fn marks_of(
                 .find(|value| !(-0.01..=1.01).contains(*value))
             {
                 let what = format!("keypoint {index}");
-                return Err(Problem::OutOfRange {
-                    what,
-                    value: *value,
-                    wanted: "between 0 and 1",
-                });
+                return Err(Problem::out_of_range(what, *value, "between 0 and 1"));
             }
             // There are as many names as points, as `wanted` has it.
             let label = names.map_or_else(|| index.to_string(), |names| names[index].clone());
@@ -252,13 +240,7 @@ pub(in crate::exchange) fn read_with(
             None,
             marks_of_file(bytes, third, names.as_deref(), size),
         );
-        Ok(marks.map(|marks| LabelledFrame {
-            masks: Vec::new(),
-            name: stem.to_owned(),
-            image: Some(at_image),
-            size,
-            marks,
-        }))
+        Ok(marks.map(|marks| LabelledFrame::new(stem, Some(at_image), size, marks)))
     })
 }
 

@@ -102,13 +102,7 @@ fn read_map(
         let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
         let read = marks(&picture, shift_px);
         if let Some(marks) = unread.keep(file, Some(&name), read) {
-            frames.push(LabelledFrame {
-                masks: Vec::new(),
-                image: Some(name.clone()),
-                name,
-                size,
-                marks,
-            });
+            frames.push(LabelledFrame::new(&name, Some(name.clone()), size, marks));
         }
     }
     Ok(frames)

@@ -178,13 +178,7 @@ fn read_picture(
     root.key("kp")?;
     let name = without_ending(base_name(file)).to_owned();
     let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        marks: marks(&root, size)?,
-        name,
-        image: None,
-        size,
-    })
+    Ok(LabelledFrame::new(&name, None, size, marks(&root, size)?))
 }
 
 impl ClickFormat for PnlCalibPoints {

@@ -55,13 +55,12 @@ fn read_picture(
             marks.extend(unread.keep(file, Some(point.path()), mark(&point, shift_px)));
         }
     }
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        size: size_or_option(&name, own, reading.options)?,
-        image: None,
-        name,
+    Ok(LabelledFrame::new(
+        &name,
+        None,
+        size_or_option(&name, own, reading.options)?,
         marks,
-    })
+    ))
 }
 
 impl ClickFormat for RfDetr {

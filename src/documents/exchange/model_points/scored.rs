@@ -30,11 +30,11 @@ fn marks_of_result(entry: &Node<'_>, shift_px: f64) -> Result<(i64, Vec<Mark>), 
     let points = entry.key("keypoints")?;
     let values = points.all_numbers()?;
     if !values.len().is_multiple_of(3) {
-        return Err(Problem::Count {
-            what: format!("{} (numbers)", points.path()),
-            wanted: values.len().next_multiple_of(3),
-            found: values.len(),
-        });
+        return Err(Problem::wrong_count(
+            format!("{} (numbers)", points.path()),
+            values.len().next_multiple_of(3),
+            values.len(),
+        ));
     }
     let names: Vec<String> = (0..values.len() / 3)
         .map(|index| index.to_string())
@@ -64,13 +64,9 @@ fn read_results(
         };
         let name = id.to_string();
         let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
-        let frame = frames.entry(id).or_insert_with(|| LabelledFrame {
-            masks: Vec::new(),
-            name,
-            image: None,
-            size,
-            marks: Vec::new(),
-        });
+        let frame = frames
+            .entry(id)
+            .or_insert_with(|| LabelledFrame::new(&name, None, size, Vec::new()));
         frame.marks.extend(marks);
     }
     Ok(frames.into_values().collect())

@@ -154,10 +154,7 @@ impl<'a> Header<'a> {
         // read.
         if text.contains("'descr':'|O'") || text.contains("'descr':\"|O\"") {
             let why = "reading it would run code; save the matrix as float64";
-            return Err(Problem::Unsupported {
-                what: "an object array".to_owned(),
-                why,
-            });
+            return Err(Problem::unsupported("an object array", why));
         }
         let shape = text
             .split("'shape':(")

@@ -160,10 +160,10 @@ impl<'a> Npz<'a> {
 
     fn unpack(&self, name: &str, entry: Entry) -> Result<Vec<u8>, Problem> {
         if entry.flags & ENCRYPTED != 0 {
-            return Err(Problem::Unsupported {
-                what: format!("the array {name}"),
-                why: "it is encrypted",
-            });
+            return Err(Problem::unsupported(
+                format!("the array {name}"),
+                "it is encrypted",
+            ));
         }
         // Before anything is unpacked: a few kilobytes may state, and unpack to, gigabytes.
         if entry.unpacked as u64 > MAX_FILE_BYTES {
@@ -189,10 +189,10 @@ impl<'a> Npz<'a> {
             }
             other => {
                 let what = format!("the array {name}, packed by method {other}");
-                return Err(Problem::Unsupported {
+                return Err(Problem::unsupported(
                     what,
-                    why: "save it with numpy.savez or numpy.savez_compressed",
-                });
+                    "save it with numpy.savez or numpy.savez_compressed",
+                ));
             }
         };
         if unpacked.len() != entry.unpacked || crc32fast::hash(&unpacked) != entry.crc {

@@ -102,11 +102,7 @@ impl Table {
         for index in 1..fields.rows() {
             let found = fields.row(index).len();
             if found != header.len() {
-                let problem = Problem::Count {
-                    what: "fields".to_owned(),
-                    wanted: header.len(),
-                    found,
-                };
+                let problem = Problem::wrong_count("fields", header.len(), found);
                 return Err(problem.at_line(fields.row_lines[index]));
             }
         }

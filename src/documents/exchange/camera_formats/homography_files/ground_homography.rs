@@ -72,9 +72,9 @@ pub(super) fn matrix(values: &[f64]) -> Result<Mat3, Problem> {
     if values.len() == 9 {
         return Ok(Mat3::from_row_slice(values));
     }
-    Err(Problem::Count {
-        what: "the homography (numbers)".to_owned(),
-        wanted: 9,
-        found: values.len(),
-    })
+    Err(Problem::wrong_count(
+        "the homography (numbers)",
+        9,
+        values.len(),
+    ))
 }

@@ -45,11 +45,7 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
     let node = Node::root(&value);
     let rows = node.key("h")?;
     if rows.count()? != 3 {
-        return Err(Problem::Count {
-            what: "h (rows)".to_owned(),
-            wanted: 3,
-            found: rows.count()?,
-        });
+        return Err(Problem::wrong_count("h (rows)", 3, rows.count()?));
     }
     let rows: Vec<[f64; 3]> = rows
         .items()?

@@ -175,12 +175,9 @@ fn read_table(bytes: &[u8], reading: &Reading<'_>) -> Result<Vec<FrameCamera>, P
     };
     let column = find(given.matrix_column.as_ref(), &MATRIX_COLUMNS)?;
     if column.is_none() {
-        table
-            .needs(&NUMBER_COLUMNS)
-            .map_err(|_| Problem::OptionNeeded {
-                what: "the column of the matrices".to_owned(),
-                option: "--columns h=NAME",
-            })?;
+        table.needs(&NUMBER_COLUMNS).map_err(|_| {
+            Problem::option_needed("the column of the matrices", "--columns h=NAME")
+        })?;
     }
     let name_column = find(given.name_column.as_ref(), &NAME_COLUMNS)?;
     let mut frames = FrameCollector::default();
