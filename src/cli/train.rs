@@ -20,10 +20,6 @@ use touchline_vision::relocalize::{RelocalizeOptions, TrainOptions, TrainProgres
 
 /// Trains the pan-tilt forest on the frames that people accepted.
 #[derive(clap::Args, Debug)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a flag of the command line"
-)]
 pub struct TrainArgs {
     #[command(flatten)]
     document: DocumentArg,

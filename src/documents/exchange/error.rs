@@ -532,6 +532,9 @@ pub enum Problem {
     },
 }
 
+/// What is read or written of foreign formats.
+pub(super) type ExchangeResult<T> = Result<T, ExchangeError>;
+
 impl Problem {
     /// A number is outside its valid range.
     pub(super) fn out_of_range(what: impl Into<String>, value: f64, wanted: &'static str) -> Self {

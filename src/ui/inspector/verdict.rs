@@ -110,10 +110,7 @@ fn is_proposal(frame: &Frame) -> bool {
 /// Shows the confidence of a proposal, and whether it is accepted.
 fn proposal(app: &App, ui: &mut Ui) {
     let Some(frame) = app.frame() else { return };
-    let confidence = frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.confidence);
+    let confidence = frame.confidence();
     let certain = confidence.map(|confidence| format!(", confidence {}", percent(confidence)));
     let accepted = frame.status == FrameStatus::Reference;
     let state = if accepted {

@@ -183,10 +183,7 @@ fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String 
     } else {
         String::new()
     };
-    let confidence = frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.confidence);
+    let confidence = frame.confidence();
     // Parts that a frame may lack are empty.
     let right = confidence
         .map(|confidence| format!(", confidence {}", percent(confidence)))

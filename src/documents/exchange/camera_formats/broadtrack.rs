@@ -10,11 +10,13 @@ use super::soccernet::{
     SOCCERNET_WORLD, angles_deg, flip_point, flip_rotation, pitch_note, rotation_of,
 };
 use crate::document::FrameStatus;
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, file_name_of};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, WriteContext, file_name_of,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::held::{parts, with};
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -144,12 +146,7 @@ impl CameraFormat for BroadTrack {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let (pinhole, size) = parts(frame)?;
         Ok(with(
             frame,
@@ -165,11 +162,7 @@ impl CameraFormat for BroadTrack {
         pitch_note(context).into_iter().collect()
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut all = Map::new();
         for frame in held {
             if let Ok((pinhole, size)) = parts(frame) {
@@ -182,11 +175,7 @@ impl CameraFormat for BroadTrack {
         ))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|_, bytes| {
             let value = parse(bytes)?;
             let mut frames = FrameCollector::default();

@@ -4,13 +4,15 @@
 //! (Nuke's default order ZXY). The last column is the *vertical* field of view in degrees. There is
 //! neither a size of picture nor a principal point, lens or rate.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, SequenceScope, WriteContext,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{
     OTHER_SIZE, cannot_hold, note_several_cameras, parts, plain, with,
 };
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeError, ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::{About, Format};
 use crate::exchange::format_options::{self, FormatOption};
@@ -126,12 +128,7 @@ impl CameraFormat for Chan {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let (pinhole, size) = parts(frame)?;
         Ok(with(
             frame,
@@ -152,11 +149,7 @@ impl CameraFormat for Chan {
         Some(SequenceScope::All)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut text = String::new();
         // A reader knows one size for the whole track, by which it finds the focal lengths.
         let first_size = held.first().and_then(|first| first.size);
@@ -187,11 +180,7 @@ impl CameraFormat for Chan {
         Ok(Files::one("camera.chan", text.into_bytes()))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         if options.size.is_none() {
             let (what, option) = ("the size of its pictures", "--size WIDTHxHEIGHT");
             return Err(ExchangeError::OptionNeeded {

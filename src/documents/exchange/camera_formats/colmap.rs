@@ -6,12 +6,12 @@
 //! is written even if it is empty, because readers silently lose images without it. Clicked
 //! landmarks are written as points with tracks. Source: colmap/colmap, doc/format.rst.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
+use crate::exchange::cameras::camera_format::{CameraFormat, HeldFrame, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, relative_name};
 use crate::exchange::cameras::square_pixels::{Calibration, SquarePixels};
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -349,12 +349,7 @@ impl CameraFormat for Colmap {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let name = relative_name(frame);
         if name.contains(char::is_whitespace) {
             return Err(format!(
@@ -364,11 +359,7 @@ impl CameraFormat for Colmap {
         Ok(frame.with_name(name))
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut cameras =
             "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] (f, cx, cy, k1, k2)\n".to_owned();
         let mut images =
@@ -411,11 +402,7 @@ impl CameraFormat for Colmap {
         name == CAMERAS || name == IMAGES
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         let cameras = read_cameras(required_file(files, CAMERAS)?)
             .map_err(|problem| problem.within(CAMERAS))?;
         read_images(required_file(files, IMAGES)?, &cameras)
@@ -424,7 +411,7 @@ impl CameraFormat for Colmap {
 }
 
 /// The contents of a file that must be there.
-fn required_file<'a>(files: &'a Files, name: &str) -> Result<&'a [u8], ExchangeError> {
+fn required_file<'a>(files: &'a Files, name: &str) -> ExchangeResult<&'a [u8]> {
     files
         .get(name)
         .ok_or_else(|| Problem::Missing("the file".to_owned()).within(name))

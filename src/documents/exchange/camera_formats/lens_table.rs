@@ -14,7 +14,7 @@ use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, KnownLens};
 use crate::exchange::cameras::into_document::View;
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
@@ -135,11 +135,7 @@ impl CameraFormat for LensTable {
         document_with_lenses(field, frames, self.exactness())
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|name, bytes| read_table(name, bytes, options))
     }
 }
@@ -148,7 +144,7 @@ impl CameraFormat for LensTable {
 mod tests {
     use super::*;
 
-    fn read(text: &str, sensor_mm: Option<f64>) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(text: &str, sensor_mm: Option<f64>) -> ExchangeResult<Vec<FrameCamera>> {
         let options = ImportOptions {
             size: Some(ImageSize::new(1920, 1080)),
             sensor_width_mm: sensor_mm,

@@ -9,7 +9,7 @@ use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_en
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -304,11 +304,7 @@ impl CameraFormat for OpenCvYaml {
         }
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut files = Files::default();
         for frame in held {
             if let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) {
@@ -318,11 +314,7 @@ impl CameraFormat for OpenCvYaml {
         Ok(files)
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         // XML and JSON may be anything, beside the YAML that is meant.
         let mut sorted = files.sorted_entries();
         if sorted.len() > 1 {

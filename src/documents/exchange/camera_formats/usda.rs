@@ -7,11 +7,13 @@
 //! across it. Distortion cannot be represented. Source: `OpenUSD`, `UsdGeomCamera`.
 
 use super::chan::{looking_back, y_up};
-use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, SequenceScope, WriteContext,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, with};
 use crate::exchange::cameras::into_document::FreeNames;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
@@ -277,12 +279,7 @@ impl CameraFormat for Usda {
         RESOLUTION_PX
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let (pinhole, _) = parts(frame)?;
         let camera = frame.camera.as_deref().unwrap_or_default();
         let time = frame.frame_index.unwrap_or(index as u64);
@@ -314,11 +311,7 @@ impl CameraFormat for Usda {
         Some(SequenceScope::Camera)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let takes = takes(held);
         let times: Vec<u64> = takes
             .iter()
@@ -359,11 +352,7 @@ impl CameraFormat for Usda {
         Ok(Files::one("camera.usda", text.into_bytes()))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|_, bytes| {
             let stage = text(bytes)?;
             let takes = stage

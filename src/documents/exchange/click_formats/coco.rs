@@ -5,16 +5,16 @@
 //! otherwise. Ids of images and annotations and indices of the skeleton begin at 1.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, ThirdNumber,
-    UnreadLabels, picture_path,
+    ClickContext, ClickFormat, ClickedFrame, LabelReader, LabelledFrame, Mark, ThirdNumber,
+    picture_path,
 };
 use super::labels::keypoints;
 use crate::document::{Click, Target};
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options;
-use crate::exchange::options::{ImportOptions, Pixels};
+use crate::exchange::options::Pixels;
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -108,8 +108,7 @@ pub(in crate::exchange) fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
 pub(in crate::exchange) fn read_with(
     third: ThirdNumber,
     (file, bytes): (&str, &[u8]),
-    options: &ImportOptions,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
@@ -123,7 +122,7 @@ pub(in crate::exchange) fn read_with(
     } else {
         Pixels::Centre
     };
-    let shift = options.pixels.unwrap_or(by_file).to_corner_px();
+    let shift = reading.options.pixels.unwrap_or(by_file).to_corner_px();
     // Images, categories and annotations refer to each other by ids in any order, so that the first
     // two are read before the annotations.
     let mut names: BTreeMap<i64, Vec<&str>> = BTreeMap::new();
@@ -152,7 +151,7 @@ pub(in crate::exchange) fn read_with(
                 name: id.to_string(),
             });
         }
-        let name = picture_path(image.key("file_name")?.text()?, options)?;
+        let name = picture_path(image.key("file_name")?.text()?, reading.options)?;
         frames.push(LabelledFrame::new(
             &name,
             Some(name.clone()),
@@ -166,7 +165,7 @@ pub(in crate::exchange) fn read_with(
             continue;
         }
         let read = annotation_marks(&annotation, &at, &names, (third, shift));
-        let read = unread.keep(file, Some(annotation.path()), read);
+        let read = reading.keep(file, Some(annotation.path()), read);
         if let Some((frame, marks)) = read {
             frames[frame].marks.extend(marks);
         }
@@ -254,11 +253,7 @@ impl ClickFormat for Coco {
         false
     }
 
-    fn write(
-        &self,
-        frames: &[ClickedFrame],
-        context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> ExchangeResult<Files> {
         let names = keypoints(context.options.names, context.field);
         let images = frames.iter().enumerate().map(|(index, frame)| {
             let (width, height) = (frame.size.width, frame.size.height);
@@ -281,15 +276,10 @@ impl ClickFormat for Coco {
         ))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
         files.read_all(|file, bytes| {
             let third = ThirdNumber::Visibility;
-            read_with(third, (file, bytes), reading.options, unread)
+            read_with(third, (file, bytes), reading)
         })
     }
 }
@@ -300,7 +290,7 @@ mod tests {
     use super::*;
     use crate::exchange::export;
     use crate::exchange::tests::{export_as, text_of, with_clicks};
-    use crate::exchange::{ExportOptions, Format, KeypointNames};
+    use crate::exchange::{ExportOptions, Format, ImportOptions, KeypointNames};
     use std::path::Path;
 
     #[test]

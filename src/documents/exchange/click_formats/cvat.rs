@@ -5,10 +5,8 @@
 //! key frames of tracks are read, because all others are interpolated. Document types and entities
 //! are rejected.
 
-use super::clicked_frame::{
-    ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, picture_path,
-};
-use crate::exchange::error::{ExchangeError, Problem};
+use super::clicked_frame::{ClickFormat, LabelReader, LabelledFrame, Mark, picture_path};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -314,9 +312,9 @@ fn read_image(
 
 fn read_file(
     (file, bytes): (&str, &[u8]),
-    options: &ImportOptions,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
+    let options = reading.options;
     let xml = parse_annotations(text(bytes)?)?;
     let root = xml.root_element();
     let shift = options.shift_to_corner_px();
@@ -327,7 +325,7 @@ fn read_file(
         let name = image
             .attribute("name")
             .unwrap_or("a picture without a name");
-        frames.extend(unread.keep(file, Some(name), read));
+        frames.extend(reading.keep(file, Some(name), read));
     }
     let tracks = tracks(root, shift)?;
     if !tracks.is_empty() {
@@ -364,13 +362,8 @@ impl ClickFormat for Cvat {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|file, bytes| read_file((file, bytes), reading.options, unread))
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        files.read_all(|file, bytes| read_file((file, bytes), reading))
     }
 }
 

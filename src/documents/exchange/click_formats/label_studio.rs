@@ -5,10 +5,9 @@
 //! `--annotator`. Names of uploaded files have a prefix before the first `-`.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, Sizes,
-    UnreadLabels, size_needed,
+    ClickContext, ClickFormat, ClickedFrame, LabelReader, LabelledFrame, Mark, Sizes, size_needed,
 };
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, base_name};
 use crate::exchange::format::About;
 use crate::exchange::format_options::{self, FormatOption};
@@ -228,11 +227,7 @@ impl ClickFormat for LabelStudio {
         }
     }
 
-    fn write(
-        &self,
-        frames: &[ClickedFrame],
-        _context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, frames: &[ClickedFrame], _context: &ClickContext<'_>) -> ExchangeResult<Files> {
         let tasks: Vec<Value> = frames
             .iter()
             .enumerate()
@@ -244,18 +239,13 @@ impl ClickFormat for LabelStudio {
         ))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
         files.read_all(|file, bytes| {
             let value = parse(bytes)?;
             let tasks = Node::root(&value).items()?;
             let frames = tasks.filter_map(|task| {
                 let read = read_task(&task, reading.options, reading.sizes);
-                unread.keep(file, Some(&picture_of(&task)), read)
+                reading.keep(file, Some(&picture_of(&task)), read)
             });
             Ok(frames.collect::<Vec<_>>())
         })

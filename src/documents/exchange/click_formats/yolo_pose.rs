@@ -7,14 +7,14 @@
 //! the permutation of the points in a mirrored picture.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, ThirdNumber,
-    UnreadLabels, size_or_option,
+    ClickContext, ClickFormat, ClickedFrame, LabelReader, LabelledFrame, Mark, ThirdNumber,
+    size_or_option,
 };
 use super::coco::{in_order, is_keypoint, range_of};
 use super::labels::keypoints;
 use crate::document::Click;
 use crate::exchange::cameras::camera_format::has_ending;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeError, ExchangeResult, Problem};
 use crate::exchange::files::{Files, base_name, text, without_ending};
 use crate::exchange::format::{About, Format};
 use crate::exchange::format_options::FormatOption;
@@ -212,9 +212,8 @@ fn marks_of_file(
 pub(in crate::exchange) fn read_with(
     third: ThirdNumber,
     files: &Files,
-    reading: &LabelReading<'_>,
-    unread: &mut UnreadLabels,
-) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    reading: &LabelReader<'_>,
+) -> ExchangeResult<Vec<LabelledFrame>> {
     let yaml = files
         .get(DATA)
         .map(text)
@@ -235,7 +234,7 @@ pub(in crate::exchange) fn read_with(
         // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
         let own = (reading.sizes)(&at_image).or_else(|| (reading.sizes)(stem));
         let size = size_or_option(&at_image, own, reading.options)?;
-        let marks = unread.keep(
+        let marks = reading.keep(
             file,
             None,
             marks_of_file(bytes, third, names.as_deref(), size),
@@ -293,11 +292,7 @@ impl ClickFormat for YoloPose {
         without_ending(&frame.image).to_owned()
     }
 
-    fn write(
-        &self,
-        frames: &[ClickedFrame],
-        context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> ExchangeResult<Files> {
         let names = keypoints(context.options.names, context.field);
         let mut files = Files::one(DATA, data_yaml(&names, context.field).into_bytes());
         for frame in frames {
@@ -330,13 +325,8 @@ impl ClickFormat for YoloPose {
         is_label_file(name)
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        read_with(ThirdNumber::Visibility, files, reading, unread)
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        read_with(ThirdNumber::Visibility, files, reading)
     }
 }
 

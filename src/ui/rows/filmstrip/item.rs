@@ -285,11 +285,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
 /// The confidence of a suggestion; `None` for a frame of another status.
 fn confidence(frame: &Frame) -> Option<f64> {
     let suggested = frame.status == FrameStatus::Suggested;
-    frame
-        .solution
-        .as_ref()
-        .filter(|_| suggested)
-        .and_then(|solution| solution.confidence)
+    frame.confidence().filter(|_| suggested)
 }
 
 /// The largest rectangle of a picture's shape in the middle of a box.

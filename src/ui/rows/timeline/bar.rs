@@ -247,10 +247,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
             .map(|clip| format!(" · shot {clip}"))
             .unwrap_or_default();
         ui.label(format!("{}{shot}", status_label(frame.status)));
-        let confidence = frame
-            .solution
-            .as_ref()
-            .and_then(|solution| solution.confidence);
+        let confidence = frame.confidence();
         if let Some(confidence) = confidence.filter(|_| frame.status == FrameStatus::Suggested) {
             ui.label(format!("Confidence {}", percent(confidence)));
         }
