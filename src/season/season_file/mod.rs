@@ -27,6 +27,7 @@
 //! text is read in `reader.rs`.
 
 mod reader;
+mod text;
 
 use reader::SeasonReader;
 use std::io;
