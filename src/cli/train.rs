@@ -95,12 +95,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     );
     messages.name_video_backend(&document);
     let store = args.kept.store(Some(location.file()));
-    let pictures = FramePictures {
-        document: &document,
-        folder: location.folder(),
-        options: options.features,
-        store: &store,
-    };
+    let pictures = FramePictures::new(&document, location.folder(), options.features, &store);
     // Find features in the references.
     let bar = messages.progress(training_frames.frames.len(), "Finding features");
     let studied = study(

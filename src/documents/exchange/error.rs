@@ -556,6 +556,18 @@ impl Problem {
         }
     }
 
+    /// It does not have the structure of the format.
+    pub(super) fn not_format(wanted: &'static str, found: impl Into<String>) -> Self {
+        let found = found.into();
+        Self::NotFormat { wanted, found }
+    }
+
+    /// A name occurs twice.
+    pub(super) fn twice(what: &'static str, name: impl Into<String>) -> Self {
+        let name = name.into();
+        Self::Twice { what, name }
+    }
+
     /// A value that the file does not contain and an option must give.
     pub(super) fn option_needed(what: impl Into<String>, option: &'static str) -> Self {
         let what = what.into();

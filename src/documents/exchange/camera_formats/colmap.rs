@@ -144,11 +144,7 @@ fn read_cameras(bytes: &[u8]) -> Result<Lenses, Problem> {
             problem: Box::new(problem.at_line(line_number)),
         });
         if cameras.insert(id, lens).is_some() {
-            return Err(Problem::Twice {
-                what: "the camera",
-                name: id.to_string(),
-            }
-            .at_line(line_number));
+            return Err(Problem::twice("the camera", id.to_string()).at_line(line_number));
         }
     }
     Ok(cameras)

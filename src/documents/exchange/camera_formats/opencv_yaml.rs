@@ -133,10 +133,7 @@ fn entries(text: &str) -> Result<Entries, Problem> {
             number(&key, value).into_iter().collect()
         };
         if found.insert(key.clone(), values).is_some() {
-            let problem = Problem::Twice {
-                what: "the key",
-                name: shorten(&key),
-            };
+            let problem = Problem::twice("the key", shorten(&key));
             return Err(problem.at_line(line_number));
         }
     }

@@ -170,10 +170,7 @@ fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
     // its exact words.
     let name = prim.split('"').next().unwrap_or_default();
     let camera: String = serde_json::from_str(between(prim, "touchline:camera = ", "\n")?)
-        .map_err(|error| Problem::NotFormat {
-            wanted: "a name of a camera",
-            found: error.to_string(),
-        })?;
+        .map_err(|error| Problem::not_format("a name of a camera", error.to_string()))?;
     let sides = numbers(
         "the size",
         &between(stage, &format!("int2 {name}_image_size_px = ("), ")")?.replace(',', " "),

@@ -134,10 +134,7 @@ pub(in crate::exchange) fn read_with(
                 .collect::<Result<_, _>>()?;
             let id = id_of(&category.key("id")?)?;
             if names.insert(id, of).is_some() {
-                return Err(Problem::Twice {
-                    what: "the category id",
-                    name: id.to_string(),
-                });
+                return Err(Problem::twice("the category id", id.to_string()));
             }
         }
     }
@@ -146,10 +143,7 @@ pub(in crate::exchange) fn read_with(
     for image in root.key("images")?.items()? {
         let id = id_of(&image.key("id")?)?;
         if at.insert(id, frames.len()).is_some() {
-            return Err(Problem::Twice {
-                what: "the image id",
-                name: id.to_string(),
-            });
+            return Err(Problem::twice("the image id", id.to_string()));
         }
         let name = picture_path(image.key("file_name")?.text()?, reading.options)?;
         frames.push(LabelledFrame::new(

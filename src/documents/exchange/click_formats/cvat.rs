@@ -237,10 +237,7 @@ pub(in crate::exchange) fn parse_annotations(text: &str) -> Result<Xml<'_>, Prob
         return Ok(xml);
     }
     let found = format!("it begins with <{}>", shorten(root));
-    Err(Problem::NotFormat {
-        wanted: "CVAT's XML",
-        found,
-    })
+    Err(Problem::not_format("CVAT's XML", found))
 }
 
 /// The names of the tasks of a project, by their ids.

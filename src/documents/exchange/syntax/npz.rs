@@ -58,10 +58,7 @@ struct Entry {
 }
 
 fn wrong(found: impl Into<String>) -> Problem {
-    Problem::NotFormat {
-        wanted: "an archive as numpy.savez writes it (.npz)",
-        found: found.into(),
-    }
+    Problem::not_format("an archive as numpy.savez writes it (.npz)", found)
 }
 
 /// The error of an archive without its table.
@@ -120,10 +117,7 @@ impl<'a> Npz<'a> {
             let (name, entry, next) = entry_at(bytes, at).ok_or_else(damaged_table)?;
             let key = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
             if entries.insert(key, entry).is_some() {
-                return Err(Problem::Twice {
-                    what: "the array",
-                    name: shorten(&name),
-                });
+                return Err(Problem::twice("the array", shorten(&name)));
             }
             at = next;
         }
