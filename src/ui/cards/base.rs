@@ -30,7 +30,6 @@ pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Shows the ways to a base.
 fn show_ways(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
     theme::title(ui, "WHERE DOES THE CAMERA STAND?");
     if let Some((why, frame)) = &missing.no_answer {

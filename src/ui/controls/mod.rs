@@ -14,7 +14,6 @@ use touchline_application::app::Command;
 
 /// A title, and at the right end a button that closes the panel or page.
 pub struct Heading<'a> {
-    /// The title.
     pub title: &'a str,
     /// The command that shows and closes the panel or page.
     pub command: Command,

@@ -76,7 +76,6 @@ fn group(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
     ui.add_space(2.0 * theme::SPACE);
 }
 
-/// The choice of the theme.
 fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
     let before = panel.app.settings.theme;
     ui.horizontal(|ui| {

@@ -13,7 +13,6 @@ use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Command, ViewAction};
 use touchline_core::geometry::pluralise;
 
-/// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
     // The footer is laid out first; the list takes the rest.

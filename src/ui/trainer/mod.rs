@@ -285,7 +285,6 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
 }
 
-/// A text with a symbol.
 fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
     ui.add_space(theme::SPACE);
     ui.horizontal_top(|ui| {

@@ -5,7 +5,6 @@
 pub struct VideoState {
     /// Whether the video is playing.
     pub playing: bool,
-    /// The speed.
     pub speed: PlaySpeed,
     /// Whether the picture of the shown frame is still being decoded; the screen then shows another
     /// frame's.

@@ -154,7 +154,6 @@ fn space(spacing: &mut egui::Spacing) {
     spacing.scroll = egui::style::ScrollStyle::thin();
 }
 
-/// The colours of a theme.
 fn colour(visuals: &mut egui::Visuals, theme: Theme) {
     *visuals = theme.default_visuals();
     let palette = Palette::from_theme(theme);
