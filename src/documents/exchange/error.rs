@@ -575,7 +575,7 @@ impl Problem {
     }
 
     /// Something that this program does not support; `why` may say what to do instead.
-    pub(super) fn unsupported(what: impl Into<String>, why: &'static str) -> Self {
+    pub(super) fn not_supported(what: impl Into<String>, why: &'static str) -> Self {
         let what = what.into();
         Self::Unsupported { what, why }
     }

@@ -61,7 +61,7 @@ pub enum MatError {
 
 impl MatError {
     /// What is wrong at a place, counted within its element if that is compressed.
-    const fn damaged(at: usize, what: &'static str) -> Self {
+    const fn damage_at(at: usize, what: &'static str) -> Self {
         Self::Damaged { at, what }
     }
 }
@@ -129,7 +129,7 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<NamedValues, MatError> 
         };
         if let Some((name, value)) = read {
             if variables.iter().any(|(known, _)| *known == name) {
-                return Err(MatError::damaged(at, "a variable occurs twice"));
+                return Err(MatError::damage_at(at, "a variable occurs twice"));
             }
             variables.push((name, value));
         }
@@ -233,7 +233,7 @@ impl<'a> Reader<'a> {
         let bytes: [u8; 4] = self
             .take(4)?
             .try_into()
-            .map_err(|_| MatError::damaged(at, "a number is cut short"))?;
+            .map_err(|_| MatError::damage_at(at, "a number is cut short"))?;
         Ok(if self.big_endian {
             u32::from_be_bytes(bytes)
         } else {
@@ -252,7 +252,7 @@ impl<'a> Reader<'a> {
             let bytes = self.take(4)?;
             let bytes = bytes
                 .get(..length)
-                .ok_or(MatError::damaged(at, "a small element is too long"))?;
+                .ok_or(MatError::damage_at(at, "a small element is too long"))?;
             return Ok(Element { kind, bytes, at });
         }
         let (kind, length) = (ElementType(first), self.word()? as usize);
@@ -271,9 +271,9 @@ impl<'a> Reader<'a> {
         let Element { kind, bytes, at } = self.element()?;
         let width = kind
             .width()
-            .ok_or(MatError::damaged(at, "numbers are expected"))?;
+            .ok_or(MatError::damage_at(at, "numbers are expected"))?;
         if bytes.len() % width != 0 {
-            return Err(MatError::damaged(at, "a number is cut short"));
+            return Err(MatError::damage_at(at, "a number is cut short"));
         }
         Ok(bytes
             .chunks_exact(width)
@@ -326,7 +326,7 @@ impl<'a> Reader<'a> {
             return Ok(MatValue::Numbers(Vec::new()));
         }
         if depth > MOST_NESTED {
-            return Err(MatError::damaged(
+            return Err(MatError::damage_at(
                 self.at,
                 "structures are nested too deeply",
             ));
@@ -347,7 +347,7 @@ impl<'a> Reader<'a> {
         } else {
             flags.first()
         };
-        let class = *class.ok_or(MatError::damaged(at, "an array has no class"))?;
+        let class = *class.ok_or(MatError::damage_at(at, "an array has no class"))?;
         let at = self.at;
         let sizes = self.numbers()?;
         // A size that is no number counts as too large, so that the product overflows and is
@@ -360,7 +360,7 @@ impl<'a> Reader<'a> {
             };
             count.checked_mul(size)
         });
-        let count = count.ok_or(MatError::damaged(at, "an array has no size"))?;
+        let count = count.ok_or(MatError::damage_at(at, "an array has no size"))?;
         Ok(Head {
             class,
             count,
@@ -397,7 +397,7 @@ impl<'a> Reader<'a> {
             .map(|_| {
                 let element = self.element()?;
                 if element.kind != ElementType::MATRIX {
-                    return Err(MatError::damaged(element.at, "an array is expected"));
+                    return Err(MatError::damage_at(element.at, "an array is expected"));
                 }
                 element.inside(self.big_endian).matrix(depth + 1)
             })
@@ -411,7 +411,7 @@ impl<'a> Reader<'a> {
         let length = self.numbers()?.first().copied().unwrap_or(0.0);
         let names = self.numbers()?;
         if !(1.0..=MOST_LETTERS).contains(&length) {
-            return Err(MatError::damaged(
+            return Err(MatError::damage_at(
                 at,
                 "a structure's field names have no length",
             ));
@@ -422,7 +422,7 @@ impl<'a> Reader<'a> {
             .collect();
         let total = count
             .checked_mul(names.len())
-            .ok_or(MatError::damaged(at, "an array has no size"))?;
+            .ok_or(MatError::damage_at(at, "an array has no size"))?;
         let mut values = self.matrices(total, depth)?.into_iter();
         // Elements without fields contain nothing.
         let count = if names.is_empty() { 0 } else { count };
@@ -441,7 +441,7 @@ impl<'a> Reader<'a> {
         }
         let width = kind
             .width()
-            .ok_or(MatError::damaged(at, "text is expected"))?;
+            .ok_or(MatError::damage_at(at, "text is expected"))?;
         // Several rows lie side by side in memory, so that every `rows`-th letter is of the first.
         let rows = rows.unwrap_or(1.0).max(1.0) as usize;
         let numbers: Vec<f64> = bytes

@@ -104,7 +104,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     let terms = terms.unwrap_or_default();
     if terms.iter().skip(2).any(|term| *term != 0.0) {
         let what = "a third distortion coefficient".to_owned();
-        return Err(Problem::unsupported(
+        return Err(Problem::not_supported(
             what,
             "the document's lens has k1 and k2 only",
         ));

@@ -64,7 +64,7 @@ fn read_camera(fields: &[&str]) -> Result<Lens, Problem> {
         "OPENCV" => 8,
         other => {
             let why = "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read";
-            return Err(Problem::unsupported(
+            return Err(Problem::not_supported(
                 format!("the camera model {:?}", shorten(other)),
                 why,
             ));
@@ -89,7 +89,7 @@ fn read_camera(fields: &[&str]) -> Result<Lens, Problem> {
     };
     if rest.iter().skip(4).any(|value| *value != 0.0) {
         let why = "the document's lens has k1 and k2 only";
-        return Err(Problem::unsupported("tangential distortion", why));
+        return Err(Problem::not_supported("tangential distortion", why));
     }
     Ok(Lens {
         size,

@@ -275,7 +275,7 @@ impl Pinhole {
         // alone. The second check is of that multiple, which overflows for a tiny k₁.
         if self.lens.k1 == 0.0 && self.lens.k2 != 0.0 {
             let what = format!("k2 = {} without k1 of {what}", self.lens.k2);
-            return Err(Problem::unsupported(
+            return Err(Problem::not_supported(
                 what,
                 "in the lens model k2 depends on k1",
             ));
@@ -285,7 +285,7 @@ impl Pinhole {
                 "k1 = {:e} with k2 = {:e} of {what}",
                 self.lens.k1, self.lens.k2
             );
-            return Err(Problem::unsupported(
+            return Err(Problem::not_supported(
                 what,
                 "no real lens distorts like that",
             ));

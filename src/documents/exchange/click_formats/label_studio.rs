@@ -184,7 +184,7 @@ fn read_task(
             .is_some_and(|turn| turn.value().as_f64() != Some(0.0))
         {
             let what = format!("{}.image_rotation", result.path());
-            return Err(Problem::unsupported(what, "rotate the picture itself"));
+            return Err(Problem::not_supported(what, "rotate the picture itself"));
         }
         if let Some(of_result) = result.find_size("original_width", "original_height")? {
             size = Some(of_result);

@@ -72,7 +72,7 @@ fn read_file(
             "a file of {} × {} px for a picture of {} × {}",
             stated.width, stated.height, there.width, there.height
         );
-        return Err(Problem::unsupported(
+        return Err(Problem::not_supported(
             what,
             "labelme rotates pictures by their EXIF orientation; save it rotated",
         ));

@@ -157,7 +157,7 @@ impl<'a> Header<'a> {
         // read.
         if text.contains("'descr':'|O'") || text.contains("'descr':\"|O\"") {
             let why = "reading it would run code; save the matrix as float64";
-            return Err(Problem::unsupported("an object array", why));
+            return Err(Problem::not_supported("an object array", why));
         }
         let shape = text
             .split("'shape':(")

@@ -154,7 +154,7 @@ impl<'a> Npz<'a> {
 
     fn unpack(&self, name: &str, entry: Entry) -> Result<Vec<u8>, Problem> {
         if entry.flags & ENCRYPTED != 0 {
-            return Err(Problem::unsupported(
+            return Err(Problem::not_supported(
                 format!("the array {name}"),
                 "it is encrypted",
             ));
@@ -183,7 +183,7 @@ impl<'a> Npz<'a> {
             }
             other => {
                 let what = format!("the array {name}, packed by method {other}");
-                return Err(Problem::unsupported(
+                return Err(Problem::not_supported(
                     what,
                     "save it with numpy.savez or numpy.savez_compressed",
                 ));

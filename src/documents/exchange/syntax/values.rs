@@ -48,7 +48,7 @@ pub fn coefficient(list: &[f64], index: usize) -> f64 {
 /// One of them is not zero; it is named.
 pub fn refuse_further_coefficients(others: &[f64]) -> Result<(), Problem> {
     match others.iter().find(|value| **value != 0.0) {
-        Some(value) => Err(Problem::unsupported(
+        Some(value) => Err(Problem::not_supported(
             format!("a distortion coefficient of {value} beyond k1 and k2"),
             "the document's lens has k1 and k2 only",
         )),

@@ -36,7 +36,7 @@ pub fn section(ui: &mut egui::Ui, text: &str) {
 
 /// A secondary text that wraps.
 pub fn weak_text(ui: &mut egui::Ui, text: impl Into<String>) {
-    wrapped(ui, egui::RichText::new(text).color(ui.palette().weak));
+    wrap_label(ui, egui::RichText::new(text).color(ui.palette().weak));
 }
 
 /// A small secondary text that wraps.
@@ -49,15 +49,15 @@ pub fn small_weak_text(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Resp
 
 /// A text that wraps.
 pub fn text(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
-    wrapped(ui, egui::RichText::new(text).color(ui.palette().text))
+    wrap_label(ui, egui::RichText::new(text).color(ui.palette().text))
 }
 
 /// An emphasised text that wraps.
 pub fn strong_text(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
-    wrapped(ui, egui::RichText::new(text).color(ui.palette().strong))
+    wrap_label(ui, egui::RichText::new(text).color(ui.palette().strong))
 }
 
-fn wrapped(ui: &mut egui::Ui, text: egui::RichText) -> egui::Response {
+fn wrap_label(ui: &mut egui::Ui, text: egui::RichText) -> egui::Response {
     ui.add(egui::Label::new(text).wrap())
 }
 

@@ -201,7 +201,7 @@ fn radial(lens: &Node<'_>, screen: &Screen) -> Result<(Radial, f64), Problem> {
     } else {
         "without undistorted points for all of the picture".to_owned()
     };
-    Err(Problem::unsupported(
+    Err(Problem::not_supported(
         format!("lens.distortion: it is {far} where k1 and k2 are nearest, so that it"),
         "up to 0.05 px is taken; take it out of the pictures with a tool that knows it, and \
          give --undistorted",

@@ -127,7 +127,7 @@ fn shear_problem(off_px: f64) -> Problem {
     } else {
         "beyond its picture".to_owned()
     };
-    Problem::unsupported(
+    Problem::not_supported(
         format!("the scale of transforms, which shears the camera {by},"),
         "up to 0.05 px is taken; where it is the size of a model on the stage, take it out: \
          jq -c 'del(.transforms[].scale)'",
