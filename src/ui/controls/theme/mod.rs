@@ -41,7 +41,7 @@ pub fn weak_text(ui: &mut egui::Ui, text: impl Into<String>) {
 
 /// A small secondary text that wraps.
 pub fn small_weak_text(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
-    wrapped(
+    wrap_label(
         ui,
         egui::RichText::new(text).small().color(ui.palette().weak),
     )
