@@ -7,6 +7,11 @@
 //! | 6 | [`app`] (the whole application without a window) |
 //! | 5 | [`scene`] (what is drawn, as plain data) |
 
+#![allow(
+    missing_docs,
+    reason = "a room of the program itself: what its name says needs no second sentence"
+)]
+
 pub mod app;
 pub mod jobs;
 #[cfg(feature = "render")]

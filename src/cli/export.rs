@@ -27,10 +27,6 @@ pub(super) const MAX_TABLE_BYTES: u64 = 16 << 20;
 /// What the format cannot hold is said on standard error, in px. An option that the format does not
 /// take is refused. Conventions, users, losses and options of every format: assets/formats.md.
 #[derive(clap::Args, Debug)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a flag of the command line"
-)]
 pub struct ExportArgs {
     #[command(flatten)]
     document: DocumentArg,

@@ -24,10 +24,6 @@ use touchline_documents::exchange::{
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a flag of the command line"
-)]
 pub struct ImportArgs {
     /// The file or folder.
     #[arg(required_unless_present = "points")]

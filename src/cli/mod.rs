@@ -10,6 +10,11 @@
 //! | 2 | wrong usage or unreadable input, explained in one line |
 //! | 130 | stopped by Ctrl-C; a message says which parts of the work were written |
 
+#![allow(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
+
 mod calibrate;
 mod check;
 mod dataset;

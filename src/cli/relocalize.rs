@@ -32,10 +32,6 @@ const MAX_FOREST_BYTES: u64 = 8 << 30;
 
 /// Finds the cameras of frames without clicks, from a trained forest.
 #[derive(clap::Args, Debug)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a flag of the command line"
-)]
 pub struct RelocalizeArgs {
     /// The forest that `touchline train` wrote.
     #[arg(value_name = "FOREST")]

@@ -155,12 +155,7 @@ fn confidence(frame: &Frame) -> Option<f64> {
     if frame.status == FrameStatus::Reference {
         return Some(1.0);
     }
-    let solution = frame.solution.as_ref();
-    Some(
-        solution
-            .and_then(|solution| solution.confidence)
-            .unwrap_or(0.0),
-    )
+    Some(frame.confidence().unwrap_or(0.0))
 }
 
 /// A line of the table: a name, five numbers, a remark.

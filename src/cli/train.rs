@@ -20,10 +20,6 @@ use touchline_vision::relocalize::{RelocalizeOptions, TrainOptions, TrainProgres
 
 /// Trains the pan-tilt forest on the frames that people accepted.
 #[derive(clap::Args, Debug)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a flag of the command line"
-)]
 pub struct TrainArgs {
     #[command(flatten)]
     document: DocumentArg,
@@ -99,12 +95,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     );
     messages.name_video_backend(&document);
     let store = args.kept.store(Some(location.file()));
-    let pictures = FramePictures {
-        document: &document,
-        folder: location.folder(),
-        options: options.features,
-        store: &store,
-    };
+    let pictures = FramePictures::new(&document, location.folder(), options.features, &store);
     // Find features in the references.
     let bar = messages.progress(training_frames.frames.len(), "Finding features");
     let studied = study(

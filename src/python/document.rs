@@ -404,12 +404,7 @@ pub fn unknown_name(target: &Target, template: &str) -> PyErr {
 fn mask([x, y, width, height]: [f64; 4]) -> PyResult<PixelBox> {
     // NaN fails the comparison as well; infinite numbers are refused by `json::from_python`.
     if width > 0.0 && height > 0.0 {
-        return Ok(PixelBox {
-            x,
-            y,
-            width,
-            height,
-        });
+        return Ok(PixelBox::new(x, y, width, height));
     }
     Err(PyValueError::new_err(format!(
         "masks_px: a box of {width} x {height} px; both sides must be positive"

@@ -237,12 +237,7 @@ fn train(
     steps: &Steps,
 ) -> PyResult<ForestModel> {
     let store = FeatureStore::in_memory();
-    let pictures = FramePictures {
-        document,
-        folder,
-        options: options.features,
-        store: &store,
-    };
+    let pictures = FramePictures::new(document, folder, options.features, &store);
     let studied = study(
         &pictures,
         &mut FrameReader::new(),

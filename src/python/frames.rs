@@ -253,14 +253,7 @@ impl PyFrames {
     /// is stated.
     #[getter]
     fn confidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.column(py, [self.__len__()], |_, frame| {
-            or_nan(
-                frame
-                    .solution
-                    .as_ref()
-                    .and_then(|solution| solution.confidence),
-            )
-        })
+        self.column(py, [self.__len__()], |_, frame| or_nan(frame.confidence()))
     }
 
     /// Root mean square of the residuals, (N,), px; NaN where none is stated.

@@ -20,6 +20,11 @@
 //! | 2 | [`plan`] (from a season to its shards) |
 //! | 1 | [`season_file`] (what a person writes), [`source`] (frames), [`processor`], [`parent`] |
 
+#![allow(
+    missing_docs,
+    reason = "a room of the program itself: what its name says needs no second sentence"
+)]
+
 pub mod collect;
 pub mod parent;
 pub mod part;

@@ -20,6 +20,11 @@
 //! A *frame* is a picture of the document; a repaint of the window is called a *frame of the
 //! window*. Lengths on the screen are in egui's points, lengths in a picture in px.
 
+#![allow(
+    missing_docs,
+    reason = "a room of the program itself: what its name says needs no second sentence"
+)]
+
 mod camera_panel;
 mod cards;
 mod controls;

@@ -22,7 +22,6 @@ pub enum Effect {
     },
     /// Append an edit to the journal.
     Journal {
-        /// The edit.
         edit: Box<Edit>,
         /// The document after the edit.
         to: Box<Snapshot>,
@@ -38,7 +37,6 @@ pub enum Effect {
     Outside(OutsideOrder),
     /// Do something with a file of edits that were set aside.
     Orphan {
-        /// The file.
         file: PathBuf,
         /// What to do with it.
         order: OrphanOrder,
@@ -49,7 +47,6 @@ pub enum Effect {
         of: PathBuf,
         /// The document to copy.
         document: Box<Document>,
-        /// Its revision.
         revision: u64,
         /// The folder to which its relative paths refer.
         from: PathBuf,
@@ -77,7 +74,6 @@ pub enum Effect {
 /// A document at one moment, to be written. It shares its parts with the open document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
-    /// The document.
     pub document: Document,
     /// Its history of undo and redo.
     pub history: History<Document>,

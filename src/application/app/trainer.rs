@@ -28,10 +28,8 @@ pub struct TrainerState {
     pub(super) sent_snapping: bool,
 }
 
-/// The status of the trainer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrainerStatus {
-    /// Its activity.
     pub doing: TrainerActivity,
     /// Estimated remaining time of the activity; none if there is no estimate yet.
     pub left: Option<Duration>,
@@ -65,13 +63,11 @@ pub struct TrainerStatus {
 /// A reference from which no training sample could be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnusableReference {
-    /// The frame.
     pub frame: FrameId,
     /// The reason.
     pub error: TrainingSampleError,
 }
 
-/// The activity of the trainer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TrainerActivity {
     /// None: everything is up to date.
@@ -113,7 +109,6 @@ pub struct ForestFacts {
 /// Identifies an answer of the trainer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AnswerKey {
-    /// The frame.
     pub frame: FrameId,
     /// The revision of the frame that was answered.
     pub revision: u64,
@@ -123,7 +118,6 @@ pub struct AnswerKey {
     pub is_tracked: bool,
 }
 
-/// An order to the trainer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrainerOrder {
     /// The document has changed: references may be new, different or withdrawn. For changes by the
@@ -220,7 +214,6 @@ pub fn describe_estimate(time: Duration) -> String {
     }
 }
 
-/// A report of the trainer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrainerReport {
     /// The status, after every change.

@@ -16,7 +16,6 @@ const MOST_REPORTS: usize = 4;
 /// A report of a background task.
 #[derive(Debug, PartialEq)]
 pub enum BackgroundReport<P, T> {
-    /// Progress.
     Progress(P),
     /// The task's result.
     Done(T),

@@ -23,12 +23,10 @@ impl Default for DecoderOptions {
     }
 }
 
-/// A report of the decoder.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DecoderReport {
     /// A frame has been decoded; [`Decoder::picture`] also returns it.
     Ready {
-        /// The frame.
         frame: FrameRef,
         /// Its pixels.
         picture: Picture,
@@ -36,14 +34,12 @@ pub enum DecoderReport {
     /// The current frame cannot be read. A neighbour that fails is reported only when it becomes
     /// the current frame.
     Failed {
-        /// The frame.
         frame: FrameRef,
         /// Why.
         error: MediaError,
     },
     /// Decoding a frame panicked; the decoder continues with others.
     Panicked {
-        /// The frame.
         frame: FrameRef,
         /// The panic's message.
         message: String,

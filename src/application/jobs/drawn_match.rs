@@ -188,12 +188,12 @@ fn main_camera(base: &CameraBase, image_size: ImageSize, masked: Graphics) -> Ca
 
 /// The box of a graphic with [`MASK_MARGIN_PX`] around it, in whole px.
 fn box_with_margin(graphic: PixelBox) -> PixelBox {
-    PixelBox {
-        x: (graphic.x - MASK_MARGIN_PX).floor().max(0.0),
-        y: (graphic.y - MASK_MARGIN_PX).floor().max(0.0),
-        width: (graphic.width + 2.0 * MASK_MARGIN_PX).ceil(),
-        height: (graphic.height + 2.0 * MASK_MARGIN_PX).ceil(),
-    }
+    PixelBox::new(
+        (graphic.x - MASK_MARGIN_PX).floor().max(0.0),
+        (graphic.y - MASK_MARGIN_PX).floor().max(0.0),
+        (graphic.width + 2.0 * MASK_MARGIN_PX).ceil(),
+        (graphic.height + 2.0 * MASK_MARGIN_PX).ceil(),
+    )
 }
 
 /// A frame of the truth: the exact camera, the boxes of the players, and under the key `truth` the

@@ -22,10 +22,7 @@ pub enum JobError {
     },
     /// Nothing exists at the path.
     #[error("{}: there is no such file or folder", path.display())]
-    Missing {
-        /// The path.
-        path: PathBuf,
-    },
+    Missing { path: PathBuf },
     /// The system refused access to a file or folder.
     #[error("{}: {source}", path.display())]
     Io {
@@ -93,7 +90,6 @@ pub enum JobError {
     NoFileManager {
         /// The program that was to show it.
         opener: &'static str,
-        /// The folder.
         folder: PathBuf,
         /// The system's error.
         source: io::Error,

@@ -19,19 +19,14 @@ const CACHE_BYTES: usize = 128 << 20;
 pub enum ThumbnailReport {
     /// A thumbnail has been made; [`Thumbnails::picture`] also returns it.
     Ready {
-        /// The frame.
         frame: FrameRef,
         /// Its pixels, in the size [`THUMBNAIL_SIZE`].
         picture: Picture,
     },
     /// The frame cannot be read. The decoder reports the reason when it becomes the current frame.
-    Failed {
-        /// The frame.
-        frame: FrameRef,
-    },
+    Failed { frame: FrameRef },
     /// Reading a frame panicked; the job continues with others.
     Panicked {
-        /// The frame.
         frame: FrameRef,
         /// The panic's message.
         message: String,

@@ -41,7 +41,6 @@ pub(super) struct State<O, R> {
 pub(super) enum WaitOutcome<T> {
     /// This is to be done.
     Order(T),
-    /// The time is up.
     TimeIsUp,
     /// There is no order left, and none will follow.
     Closing,

@@ -95,9 +95,4 @@ impl Renderer {
             canvas.paint(pass, &self.pipelines);
         }
     }
-
-    /// Frees the GPU memory of a canvas that is no longer shown.
-    pub fn forget(&mut self, id: CanvasId) {
-        self.canvases.remove(&id);
-    }
 }

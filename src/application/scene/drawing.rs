@@ -8,7 +8,6 @@
 /// A colour: sRGB bytes and straight (not premultiplied) alpha.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Colour {
-    /// Red.
     pub r: u8,
     /// Green.
     pub g: u8,
@@ -77,7 +76,6 @@ pub struct StrokeGroup {
     pub clip_px: Option<[f32; 4]>,
 }
 
-/// The shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkerShape {
     /// A cross with an open centre, so that the clicked pixel stays visible.
@@ -95,7 +93,6 @@ pub enum MarkerShape {
 pub struct Marker {
     /// Centre, px of the picture.
     pub at: [f32; 2],
-    /// Shape.
     pub shape: MarkerShape,
     /// Colour of the core.
     pub colour: Colour,
@@ -123,7 +120,6 @@ pub struct Label {
     pub at: [f32; 2],
     /// Offset from that point to the left end of the text's middle line, points.
     pub offset_pt: [f32; 2],
-    /// The text.
     pub text: String,
     /// Height of the type, points.
     pub size_pt: f32,

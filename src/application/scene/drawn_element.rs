@@ -19,7 +19,6 @@ pub struct DrawnElement {
 pub struct ElementReach {
     /// To a landmark's ring.
     pub landmark_px: f64,
-    /// To a line.
     pub line_px: f64,
 }
 

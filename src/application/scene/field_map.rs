@@ -106,7 +106,6 @@ pub struct FieldMapDrawing {
     pub over: Drawing,
 }
 
-/// Draws the field map of a scene.
 pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
     let field = scene.field;
     let (x, y) = (field.length_m / 2.0, field.width_m / 2.0);

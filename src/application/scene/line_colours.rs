@@ -8,7 +8,6 @@ pub enum Ground {
     Turf,
     /// Planks, or a floor of their colour.
     Wood,
-    /// Ice.
     Ice,
     /// A painted court: blue, green or clay.
     Painted,

@@ -18,7 +18,6 @@ const WORTHWHILE: f64 = 0.9;
 /// A landmark that is worth clicking next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NextClick {
-    /// Its id.
     pub id: LandmarkId,
     /// Where the solution predicts it, px.
     pub at: ImagePoint,

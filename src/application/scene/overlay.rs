@@ -73,7 +73,6 @@ impl CameraStatus {
 /// What an overlay is drawn from.
 #[derive(Clone, Copy, Debug)]
 pub struct OverlayScene<'a> {
-    /// The field.
     pub field: &'a FieldModel,
     /// The camera of the frame. Without it no lines are drawn.
     pub camera: Option<&'a PtzCamera>,

@@ -10,7 +10,6 @@ use touchline_vision::media::Picture;
 /// What the map is drawn from.
 #[derive(Clone, Copy, Debug)]
 pub struct PaintMapScene<'a> {
-    /// The base of the camera.
     pub base: &'a CameraBase,
     /// The field, with the size and crown that autocalibration found.
     pub field: &'a FieldModel,
@@ -102,7 +101,6 @@ impl PaintMapFrame {
         )
     }
 
-    /// The ray for a point of the map.
     pub fn ray_from_map(&self, at: ImagePoint) -> PanTilt {
         PanTilt {
             pan: (self.left + Angle::from_degrees(at.x / self.px_per_degree)).wrap(),

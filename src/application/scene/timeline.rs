@@ -186,10 +186,7 @@ fn doubt(frame: &Frame) -> f64 {
     if frame.is_unanswered() {
         return 1.0;
     }
-    let confidence = frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.confidence);
+    let confidence = frame.confidence();
     confidence
         .filter(|_| frame.status == FrameStatus::Suggested)
         .map_or(0.0, |confidence| (1.0 - confidence).clamp(0.0, 1.0))

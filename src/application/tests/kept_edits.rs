@@ -507,7 +507,6 @@ fn click(document: &mut Document, frame: usize) {
         )));
 }
 
-/// The marks in a frame.
 fn marks(frame: &Frame) -> Vec<String> {
     frame.comment.iter().cloned().collect()
 }

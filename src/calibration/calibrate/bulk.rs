@@ -122,10 +122,7 @@ impl BulkSolve {
         let places = self.change.places(&self.document);
         // Threads finish frames in any order, so they share one counter.
         let (of, done) = (self.count_frames_to_solve(&places), AtomicUsize::new(0));
-        let counting = progress.part(|()| Share {
-            done: done.fetch_add(1, Ordering::Relaxed) + 1,
-            of,
-        });
+        let counting = progress.part(|()| Share::new(done.fetch_add(1, Ordering::Relaxed) + 1, of));
         let withdrawn = self.change.make_in_frames(
             &mut after,
             &self.document,

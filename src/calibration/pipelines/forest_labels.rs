@@ -309,12 +309,7 @@ pub fn label_frames(
     let PictureFiles { folder, store } = files;
     // The references are checked before any answer is recorded, on the document as it was given.
     let evidence = LineEvidence::from_document(document.at(folder), reader, snap)?;
-    let pictures = FramePictures {
-        document,
-        folder,
-        options: forest.model.features,
-        store,
-    };
+    let pictures = FramePictures::new(document, folder, forest.model.features, store);
     let mut proposals =
         propose_on_lines(&pictures, reader, frames, forest, Some(&evidence), progress);
     // Record the answers. A frame may have a better camera from another source.

@@ -393,12 +393,7 @@ pub(super) fn learn_from_frames(
         accepted.frames[index].status = FrameStatus::Reference;
     }
     let options = LearnOptions::default();
-    let pictures = FramePictures {
-        document: &accepted,
-        folder: at.folder,
-        options: options.features,
-        store,
-    };
+    let pictures = FramePictures::new(&accepted, at.folder, options.features, store);
     learn_forest(&pictures, reader, frames, &options, progress)
 }
 

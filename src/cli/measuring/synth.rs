@@ -25,10 +25,6 @@ const UNFINISHED_FILE: &str = "synth.unfinished";
 /// solved) and truth.json (the same with the exact pan, tilt and focal length of every frame and
 /// the boxes of the players). The same options give the same bytes.
 #[derive(clap::Args, Debug)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a flag of the command line"
-)]
 pub struct SynthArgs {
     /// The folder to write; an empty one counts as absent.
     #[arg(short, long, value_name = "DIR")]

@@ -125,11 +125,7 @@ impl CameraBase {
         // The optical axis is the third row of the rotation.
         let axis = cam_from_world.row(2).transpose();
         let PanTilt { pan, tilt } = PanTilt::from_direction(self.base_from_world * axis);
-        Ptz {
-            pan,
-            tilt,
-            focal_px,
-        }
+        Ptz::new(pan, tilt, focal_px)
     }
 
     /// Whether all entries are finite.

@@ -51,6 +51,15 @@ pub struct Ptz {
 }
 
 impl Ptz {
+    /// From pan, tilt and the focal length, px.
+    pub const fn new(pan: Angle, tilt: Angle, focal_px: f64) -> Self {
+        Self {
+            pan,
+            tilt,
+            focal_px,
+        }
+    }
+
     /// From degrees and px.
     pub const fn from_degrees(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> Self {
         Self {

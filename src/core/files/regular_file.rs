@@ -224,8 +224,8 @@ fn refuse_kind(file_type: FileType) -> io::Result<()> {
     })
 }
 
-#[cfg(test)]
 #[cfg(unix)]
+#[cfg(test)]
 mod tests {
     use super::*;
     use std::os::unix::fs::symlink;

@@ -2,12 +2,12 @@
 
 use super::Vec2;
 use nalgebra::{Matrix2, SVector, SymmetricEigen};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// A point of a picture, px, corner convention: (0, 0) is the top-left corner, x right, y down.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[serde(into = "[f64; 2]")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 2]", into = "[f64; 2]")]
 pub struct ImagePoint {
     /// To the right, px.
     pub x: f64,
@@ -178,6 +178,16 @@ pub struct PixelBox {
 }
 
 impl PixelBox {
+    /// From the left and top edge and the extents, px.
+    pub const fn new(x: f64, y: f64, width: f64, height: f64) -> Self {
+        Self {
+            x,
+            y,
+            width,
+            height,
+        }
+    }
+
     /// Whether a point lies in the box, its left and top border included.
     pub fn contains(&self, point: ImagePoint) -> bool {
         point.x >= self.x

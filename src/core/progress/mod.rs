@@ -20,6 +20,11 @@ pub struct Share {
 }
 
 impl Share {
+    /// So many of all parts are done.
+    pub const fn new(done: usize, of: usize) -> Self {
+        Self { done, of }
+    }
+
     /// From 0 to 1.
     pub fn fraction(self) -> f32 {
         if self.of == 0 {

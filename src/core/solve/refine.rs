@@ -114,11 +114,11 @@ pub(super) fn apply_step(ptz: &Ptz, step: &Vec3) -> Ptz {
     // At most a factor of three per step: a Gauss–Newton step from a distant start may be far too
     // long.
     let log_focal = step.z.clamp(-1.1, 1.1);
-    Ptz {
-        pan: ptz.pan + Angle::from_radians(step.x),
-        tilt: ptz.tilt + Angle::from_radians(step.y),
-        focal_px: ptz.focal_px * log_focal.exp(),
-    }
+    Ptz::new(
+        ptz.pan + Angle::from_radians(step.x),
+        ptz.tilt + Angle::from_radians(step.y),
+        ptz.focal_px * log_focal.exp(),
+    )
 }
 
 /// The cost of a camera without refining it.

@@ -532,7 +532,54 @@ pub enum Problem {
     },
 }
 
+/// What is read or written of foreign formats.
+pub(super) type ExchangeResult<T> = Result<T, ExchangeError>;
+
 impl Problem {
+    /// A number is outside its valid range.
+    pub(super) fn out_of_range(what: impl Into<String>, value: f64, wanted: &'static str) -> Self {
+        let what = what.into();
+        Self::OutOfRange {
+            what,
+            value,
+            wanted,
+        }
+    }
+
+    /// There are too few or too many values.
+    pub(super) fn wrong_count(what: impl Into<String>, wanted: usize, found: usize) -> Self {
+        let what = what.into();
+        Self::Count {
+            what,
+            wanted,
+            found,
+        }
+    }
+
+    /// It does not have the structure of the format.
+    pub(super) fn not_format(wanted: &'static str, found: impl Into<String>) -> Self {
+        let found = found.into();
+        Self::NotFormat { wanted, found }
+    }
+
+    /// A name occurs twice.
+    pub(super) fn twice(what: &'static str, name: impl Into<String>) -> Self {
+        let name = name.into();
+        Self::Twice { what, name }
+    }
+
+    /// A value that the file does not contain and an option must give.
+    pub(super) fn option_needed(what: impl Into<String>, option: &'static str) -> Self {
+        let what = what.into();
+        Self::OptionNeeded { what, option }
+    }
+
+    /// Something that this program does not support; `why` may say what to do instead.
+    pub(super) fn not_supported(what: impl Into<String>, why: &'static str) -> Self {
+        let what = what.into();
+        Self::Unsupported { what, why }
+    }
+
     /// The problem in a file.
     pub(crate) fn within(self, file: &str) -> ExchangeError {
         ExchangeError::File {

@@ -39,7 +39,6 @@ use touchline_core::progress::Progress;
 use touchline_documents::store::{ReadOnly, StoreError, lock_file};
 use touchline_vision::relocalize::CERTAIN;
 
-/// Options of collecting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CollectOptions {
     /// Suggestions below this confidence are in the queue, 0 to 1. Default: 0.9, from which on an
@@ -69,7 +68,6 @@ pub enum CollectEvent {
     LeftAlone {
         /// The match.
         name: String,
-        /// Why.
         why: String,
     },
     /// The frames of a match were collected under another name, in the folder of which its project
@@ -77,14 +75,10 @@ pub enum CollectEvent {
     Renamed {
         /// The match.
         name: String,
-        /// The folder.
         folder: String,
     },
     /// A match that was collected is no longer in the plan; its project stays.
-    NotInPlan {
-        /// The folder.
-        folder: String,
-    },
+    NotInPlan { folder: String },
     /// A file in the folder of parts is of no shard of this plan. It is not used.
     NotOfPlan {
         /// The part.
@@ -277,16 +271,10 @@ pub enum CollectError {
     },
     /// The output is a file.
     #[error("{} is a file; give a folder for the season", output.display())]
-    NotAFolder {
-        /// The output.
-        output: PathBuf,
-    },
+    NotAFolder { output: PathBuf },
     /// The output holds other things.
     #[error("{} holds other things than a collected season; give another -o", output.display())]
-    OtherFolder {
-        /// The output.
-        output: PathBuf,
-    },
+    OtherFolder { output: PathBuf },
     /// A file there has the name of one that is to be written, and is not as it was written.
     #[error(
         "{} is not as touchline collect wrote it and would be replaced; move it away or give another -o",
@@ -302,7 +290,6 @@ pub enum CollectError {
         output.display()
     )]
     Busy {
-        /// The output.
         output: PathBuf,
         /// The process, if known.
         holder: String,
@@ -310,7 +297,6 @@ pub enum CollectError {
     /// The output cannot be written into.
     #[error("cannot write into {}: {reason}", output.display())]
     NotWritable {
-        /// The output.
         output: PathBuf,
         /// The system's reason.
         reason: String,

@@ -34,7 +34,6 @@ pub struct Queue {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QueueEntry {
-    /// The match.
     #[serde(rename = "match")]
     pub of_match: String,
     /// Its project, relative to the queue's folder.

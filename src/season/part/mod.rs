@@ -74,7 +74,6 @@ pub struct AboutPart {
 pub struct CameraRun {
     /// Number of the first frame, from 0.
     pub first: usize,
-    /// The camera.
     pub camera: String,
 }
 
@@ -170,7 +169,6 @@ pub enum PartError {
     /// A part cannot be serialised.
     #[error("the part of {shard} was not written: {source}")]
     Write {
-        /// The shard.
         shard: String,
         /// Why.
         source: WriteError,

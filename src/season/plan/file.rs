@@ -36,7 +36,6 @@ pub struct Plan {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlannedMatch {
-    /// Its name.
     pub name: String,
     /// The path of its video or folder, relative to the plan's folder unless it is absolute.
     pub frames: String,
@@ -87,7 +86,6 @@ pub struct LabelShard {
 /// A shard and its match.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShardOfPlan<'a> {
-    /// The match.
     pub of_match: &'a PlannedMatch,
     /// The frames to label; none for the match's find shard.
     pub label: Option<&'a LabelShard>,
@@ -116,7 +114,6 @@ pub enum PlanError {
         /// The system's error.
         source: io::Error,
     },
-    /// It is not a plan.
     #[error("{} is not a plan: {reason}; make one with touchline plan", path.display())]
     NotAPlan {
         /// The file.
@@ -239,7 +236,6 @@ impl Plan {
             })
     }
 
-    /// The shard with an id.
     pub fn shard(&self, id: &str) -> Option<ShardOfPlan<'_>> {
         self.matches.iter().find_map(|of_match| {
             if of_match.find == id {
@@ -282,7 +278,6 @@ pub(super) struct FindInput<'a> {
     pub(super) frames_sha256: &'a str,
     /// Number of frames: decoders may differ in it.
     pub(super) num_frames: usize,
-    /// The field.
     pub(super) field: &'a FieldSpec,
     /// The hash of the project.
     pub(super) project: Option<&'a str>,

@@ -49,7 +49,6 @@ pub enum MakePlanError {
     NoBase {
         /// The match.
         name: String,
-        /// The project.
         project: PathBuf,
     },
     /// The project of a match cannot be hashed.

@@ -27,6 +27,7 @@
 //! text is read in `reader.rs`.
 
 mod reader;
+mod text;
 
 use reader::SeasonReader;
 use std::io;
@@ -176,7 +177,6 @@ pub enum SeasonMistake {
         "the match {name:?} has the name of the one in line {other}; name one of them otherwise"
     )]
     SameName {
-        /// The name.
         name: String,
         /// The line of the other match.
         other: usize,
@@ -191,22 +191,13 @@ pub enum SeasonMistake {
     },
     /// A name cannot be the name of a folder.
     #[error("{name:?} cannot be the name of a match and its folder; use letters, digits, - and _")]
-    Name {
-        /// The name.
-        name: String,
-    },
+    Name { name: String },
     /// Two venues have one name.
     #[error("there is a venue {name:?} before; name one of them otherwise")]
-    SameVenue {
-        /// The name.
-        name: String,
-    },
+    SameVenue { name: String },
     /// A match names a venue that is not in the file.
     #[error("no [[venue]] has the name {name:?}; add one, or correct the name")]
-    UnknownVenue {
-        /// The name.
-        name: String,
-    },
+    UnknownVenue { name: String },
     /// A file that is named is not there.
     #[error("there is no {}; paths are relative to the season file", path.display())]
     Missing {
@@ -220,14 +211,10 @@ pub enum SeasonMistake {
     #[error(
         "{template}: a venue takes the templates that are built in (`touchline fields` lists them)"
     )]
-    OwnTemplate {
-        /// The template.
-        template: String,
-    },
+    OwnTemplate { template: String },
     /// A number is out of its range.
     #[error("{option} is {found}; give a number from {least} to {most}")]
     Range {
-        /// The option.
         option: &'static str,
         /// What it is.
         found: f64,

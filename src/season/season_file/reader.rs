@@ -1,10 +1,10 @@
 //! From the text of a season file to its matches.
 //!
-//! The text is read into types that mirror the TOML, and checked after that: names, paths, fields
+//! The text is read into types that mirror the TOML (`text.rs`), and checked after that: names, paths, fields
 //! and numbers. A mistake is reported with the line in which it stands.
 
+use super::text::{MatchText, OptionsText, SeasonText, VenueText};
 use super::{Match, Season, SeasonError, SeasonMistake, ShardOptions, is_folder_name};
-use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
@@ -23,50 +23,6 @@ const WINDOW_S: RangeInclusive<f64> = 1.0..=3600.0;
 
 /// Numbers of images that a shard may have.
 const IMAGES: RangeInclusive<usize> = 1..=100_000;
-
-// The file as TOML has it. Unknown keys are refused, because a misspelt option would else be
-// ignored; values whose mistakes are found later keep their places in the text (`Spanned`).
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SeasonText {
-    #[serde(default)]
-    options: OptionsText,
-    #[serde(default, rename = "venue")]
-    venues: Vec<VenueText>,
-    #[serde(default, rename = "match")]
-    matches: Vec<MatchText>,
-}
-
-#[derive(Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OptionsText {
-    look_at: Option<Spanned<usize>>,
-    window_s: Option<Spanned<f64>>,
-    images: Option<Spanned<usize>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct VenueText {
-    name: Spanned<String>,
-    field: Spanned<String>,
-    #[serde(default)]
-    set: BTreeMap<String, f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MatchText {
-    name: Option<Spanned<String>>,
-    #[serde(alias = "video")]
-    frames: Spanned<String>,
-    venue: Option<Spanned<String>>,
-    project: Option<Spanned<String>>,
-    forest: Option<Spanned<String>>,
-    #[serde(default)]
-    options: OptionsText,
-}
 
 /// A season file while it is read.
 pub(super) struct SeasonReader<'a> {

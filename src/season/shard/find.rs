@@ -106,12 +106,7 @@ impl Work<'_> {
         }
         let training = TrainingFrames::from_solved_frames(&document).frames;
         let (options, store) = (LearnOptions::default(), FeatureStore::in_memory());
-        let pictures = FramePictures {
-            document: &document,
-            folder: &self.source.folder,
-            options: options.features,
-            store: &store,
-        };
+        let pictures = FramePictures::new(&document, &self.source.folder, options.features, &store);
         let progress = self.progress.part(ShardEvent::Frames);
         let learnt = learn_forest(
             &pictures,

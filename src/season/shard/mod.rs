@@ -269,12 +269,7 @@ pub enum ShardError {
         "{} has no shard {id}; touchline plan --commands writes its shards",
         plan.display()
     )]
-    NotInPlan {
-        /// The plan.
-        plan: PathBuf,
-        /// The id.
-        id: String,
-    },
+    NotInPlan { plan: PathBuf, id: String },
     /// Another program made the plan.
     #[error(
         "the plan is of {planned}, and this is {here}: bytes would differ; make the plan again"

@@ -50,7 +50,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             let button = button.on_disabled_hover_text(ready.describe());
             panel.run_on_click(button, Command::EstimateBase);
         }
-        ui.label(RichText::new(describe_readiness(&ready)).color(ui.palette().weak));
+        theme::weak(ui, describe_readiness(&ready));
     });
 }
 
@@ -109,8 +109,8 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
     let (position, sigma) = (estimate.base.position_m, estimate.base.sigma.position_m);
     Grid::new("estimate").num_columns(2).min_col_width(84.0).spacing([8.0, 2.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String, tip: &str| {
-            ui.label(RichText::new(name).color(ui.palette().weak)).on_hover_text(tip);
-            ui.label(RichText::new(value).color(ui.palette().strong)).on_hover_text(tip);
+            theme::weak(ui, name).on_hover_text(tip);
+            theme::strong(ui, value).on_hover_text(tip);
             ui.end_row();
         };
         let fit = describe_fit(estimate.median_px, estimate.p90_px);

@@ -9,9 +9,10 @@ use crate::ui::Panel;
 use crate::ui::controls::bar::Bar;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{show_button, show_folded};
 use crate::ui::controls::{symbol, theme};
 use crate::ui::rows::menu::file_name;
-use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
+use egui::{Button, Grid, Rect, RichText, Ui, pos2};
 use touchline_application::app::EditAction;
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_core::field::Symmetry;
@@ -44,7 +45,7 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
     section(ui, "LENS MODELS, CROSS-VALIDATED");
     Grid::new("models").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
         for head in ["", "median", "90 %"] {
-            ui.label(RichText::new(head).small().color(ui.palette().weak));
+            theme::small_weak(ui, head);
         }
         ui.end_row();
         for score in &found.estimate.scores {
@@ -67,7 +68,7 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
         .one_more_frame
         .map_or_else(String::new, |frame| format!(" To pin it down: {frame}."));
     let reason = format!("Chosen: {}.{advice}", found.estimate.reason);
-    ui.add(Label::new(RichText::new(reason).small().color(ui.palette().weak)).wrap());
+    theme::small_weak_text(ui, reason);
 }
 
 /// Shows each frame's median error as a bar, the worst first. A frame without a fit comes before
@@ -135,16 +136,12 @@ fn rows_of_frames(
 ) {
     // The scale of the bars is that of all frames, so that it stays when the list is expanded.
     let largest = frames.iter().filter_map(|(_, px)| *px).fold(1e-9, f64::max);
-    let unfolded = Id::unique("all frames of the camera");
-    let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
-    let shown = if all {
-        frames.len()
-    } else {
-        frames.len().min(FRAMES_SHOWN)
-    };
-    for &(index, px) in &frames[..shown] {
+    let all = format!("All {} frames", frames.len());
+    let lengths = (frames.len(), FRAMES_SHOWN);
+    show_folded(ui, "all frames of the camera", lengths, &all, |ui, at| {
+        let (index, px) = frames[at];
         let Some(frame) = panel.app.open().and_then(|open| open.frame(index)) else {
-            continue;
+            return;
         };
         let name = short_name(frame);
         let landmarks = frame.landmark_clicks();
@@ -191,21 +188,7 @@ fn rows_of_frames(
                 });
             }
         });
-    }
-    // Long lists are collapsed at first.
-    if frames.len() > FRAMES_SHOWN {
-        let says = if all {
-            "Fewer".to_owned()
-        } else {
-            format!("All {} frames", frames.len())
-        };
-        if ui
-            .add(Button::new(RichText::new(says).small()).frame(false))
-            .clicked()
-        {
-            ui.data_mut(|data| data.insert_temp(unfolded, !all));
-        }
-    }
+    });
 }
 
 /// Shows the frames that are left out, each with a button that puts it back.
@@ -224,12 +207,12 @@ fn show_left_out_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &CameraId) {
             {
                 panel.go_to(index);
             }
-            ui.label(RichText::new("left out").small().color(ui.palette().weak));
-            let back = ui.add(Button::new("Put back").small());
-            if back
-                .on_hover_text("Use this frame in the estimation again.")
-                .clicked()
-            {
+            theme::small_weak(ui, "left out");
+            if show_button(
+                ui,
+                Button::new("Put back").small(),
+                "Use this frame in the estimation again.",
+            ) {
                 panel.edit(EditAction::UseForBase {
                     frame: index,
                     used: true,
@@ -280,11 +263,7 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
     // The estimate sorts the landmarks, the worst first.
     let more = found.landmarks.len().saturating_sub(LANDMARKS_SHOWN);
     if more > 0 {
-        ui.label(
-            RichText::new(format!("{more} more, all with smaller errors"))
-                .small()
-                .color(ui.palette().weak),
-        );
+        theme::small_weak(ui, format!("{more} more, all with smaller errors"));
     }
 }
 
@@ -368,11 +347,7 @@ fn show_mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFr
         if ui.add(Button::new("Go there").small()).clicked() {
             panel.go_to(mirrored.frame);
         }
-        if ui
-            .add(Button::new(format!("Mirror {sides}")).small())
-            .on_hover_text(tip)
-            .clicked()
-        {
+        if show_button(ui, Button::new(format!("Mirror {sides}")).small(), tip) {
             panel.edit(EditAction::MirrorNames {
                 frame: mirrored.frame,
                 symmetry: mirrored.symmetry,
@@ -413,10 +388,11 @@ fn show_disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedCl
     remark(ui, &text, |ui| {
         let goes = ui.add(Button::new("Go there").small()).clicked();
         let renames = better.is_some()
-            && ui
-                .add(Button::new("Rename").small())
-                .on_hover_text("Rename this point to the name that fits.")
-                .clicked();
+            && show_button(
+                ui,
+                Button::new("Rename").small(),
+                "Rename this point to the name that fits.",
+            );
         if goes || renames {
             panel.go_to_click(disputed.frame, disputed.click);
         }

@@ -4,6 +4,7 @@
 use super::{numbers, remark, section};
 use crate::ui::Panel;
 use crate::ui::controls::number::{Number, shortest};
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::field_map::sport_title;
 use egui::{
@@ -32,12 +33,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .zip(panel.app.frame())
         .is_some_and(|(open, frame)| *open.document.field_of(frame) != open.document.field)
     {
-        ui.label(
-            RichText::new("Of this camera only")
-                .small()
-                .color(ui.palette().weak),
-        )
-        .on_hover_text("Other cameras of the document have another field.");
+        theme::small_weak(ui, "Of this camera only")
+            .on_hover_text("Other cameras of the document have another field.");
     }
     template(panel, ui, &spec);
     if let Some(Err(error)) = &panel.app.current().field
@@ -205,11 +202,11 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
         known,
         "Exported with the dataset. A change of length or width makes it assumed again.",
         |ui| {
-            let doubt = ui.add(Button::new("Not sure").small());
-            if doubt
-                .on_hover_text("Mark the size as assumed again.")
-                .clicked()
-            {
+            if show_button(
+                ui,
+                Button::new("Not sure").small(),
+                "Mark the size as assumed again.",
+            ) {
                 panel.edit(EditAction::Field(FieldSpec {
                     size: None,
                     ..spec.clone()
@@ -262,7 +259,7 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
             rect.y_range(),
             Stroke::new(1.0, ui.palette().caution),
         );
-        ui.add(Label::new(RichText::new(says).small().color(ui.palette().weak)).wrap());
+        theme::small_weak_text(ui, says);
     });
 }
 

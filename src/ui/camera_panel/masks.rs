@@ -3,7 +3,7 @@
 use super::section;
 use crate::ui::Panel;
 use crate::ui::controls::symbol::{self, Symbol};
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, Ui};
 use touchline_application::app::{Command, EditAction, MaskList, MaskScope, Tool};
 use touchline_core::geometry::PixelBox;
@@ -19,9 +19,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         .map(|frame| frame.masks.clone())
         .unwrap_or_default();
     if camera.masks.is_empty() && camera.ranged_masks.is_empty() && of_frame.is_empty() {
-        ui.label(
-            RichText::new("None. Shift-drag a box around the score bug and each logo.")
-                .color(ui.palette().weak),
+        theme::weak(
+            ui,
+            "None. Shift-drag a box around the score bug and each logo.",
         );
     }
     // One row for each mask of the three lists. An action names a mask by its list and its index
@@ -72,10 +72,7 @@ fn row(
     ui.horizontal(|ui| {
         ui.label(format!("{:.0}, {:.0}", mask.x, mask.y))
             .on_hover_text("Left and top edge, px.");
-        ui.label(
-            RichText::new(format!("{:.0} × {:.0} px", mask.width, mask.height))
-                .color(ui.palette().weak),
-        );
+        theme::weak(ui, format!("{:.0} × {:.0} px", mask.width, mask.height));
         // From right to left: the remove button stands at the end of every row, whatever the others
         // need.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

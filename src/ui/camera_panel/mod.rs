@@ -41,10 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         Frame::new()
             .inner_margin(Margin::symmetric(8, 4))
             .show(ui, |ui| {
-                ui.label(
-                    RichText::new("This frame's camera is not in the document.")
-                        .color(ui.palette().weak),
-                );
+                theme::weak(ui, "This frame's camera is not in the document.");
             });
         return;
     };

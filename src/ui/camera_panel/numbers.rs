@@ -4,6 +4,7 @@
 use super::section;
 use crate::ui::Panel;
 use crate::ui::controls::number::Number;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align, Button, Grid, Layout, RichText, Ui, vec2};
 use touchline_application::app::{Action, EditAction};
@@ -200,9 +201,7 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "LENS");
     let size = camera.image_size;
     line(ui, "Picture", "The size of this camera's pictures.", |ui| {
-        ui.label(
-            RichText::new(format!("{} × {} px", size.width, size.height)).color(ui.palette().weak),
-        );
+        theme::weak(ui, format!("{} × {} px", size.width, size.height));
     });
     // The principal point may be outside the picture, if the picture was cropped.
     let point = |name, tip, value, limit: u32| Number {
@@ -324,12 +323,7 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     // Confirming stores the assumed width as a known one. Begin and End make it one named step of
     // undo, as they do for a number that is dragged.
     let confirm = Button::new("Confirm sensor width").small();
-    if known.is_none()
-        && ui
-            .add(confirm)
-            .on_hover_text("Mark this width as known. One step of undo.")
-            .clicked()
-    {
+    if known.is_none() && show_button(ui, confirm, "Mark this width as known. One step of undo.") {
         let confirmed = Camera {
             sensor_width_mm: Some(GUESSED_SENSOR_MM),
             ..camera.clone()
@@ -441,7 +435,7 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     Grid::new("sigma").num_columns(4).min_col_width(field.min(AXIS_LABEL)).spacing(spacing).show(ui, |ui| {
         ui.allocate_space(vec2(AXIS_LABEL, 0.0));
         for axis in ["x", "y", "z"] {
-            ui.label(RichText::new(axis).small().color(ui.palette().weak));
+            theme::small_weak(ui, axis);
         }
         ui.end_row();
         for (label, unit, values, of_position, decimals, limit) in

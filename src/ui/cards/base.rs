@@ -3,6 +3,7 @@
 
 use super::card;
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::pictures::WHOLE;
 use egui::{
@@ -29,7 +30,6 @@ pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Shows the ways to a base.
 fn show_ways(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
     theme::title(ui, "WHERE DOES THE CAMERA STAND?");
     if let Some((why, frame)) = &missing.no_answer {
@@ -62,7 +62,7 @@ fn show_ways(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
     if missing.lines_from_this_frame {
         let text =
             "The dashed lines come from this frame alone; they say nothing about the others.";
-        ui.add(Label::new(RichText::new(text).small().color(ui.palette().weak)).wrap());
+        theme::small_weak_text(ui, text);
     }
 }
 
@@ -194,7 +194,7 @@ fn go_there(panel: &mut Panel<'_>, ui: &mut Ui, frame: &FrameId, tip: &str) {
     let Some(index) = open.and_then(|open| open.document.frames.position_of(frame)) else {
         return;
     };
-    if ui.button("Go there").on_hover_text(tip).clicked() {
+    if show_button(ui, Button::new("Go there"), tip) {
         panel.go_to(index);
     }
 }
@@ -214,5 +214,5 @@ fn tile(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
 
 /// A small text that wraps.
 fn note(ui: &mut Ui, text: &str) {
-    ui.add(Label::new(RichText::new(text).small().color(ui.palette().weak)).wrap());
+    theme::small_weak_text(ui, text);
 }

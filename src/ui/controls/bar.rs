@@ -14,7 +14,6 @@ const NUMBER: f32 = 48.0;
 
 /// A row with name, bar and number. It can be clicked.
 pub struct Bar<'a> {
-    /// The name.
     pub name: &'a str,
     /// The number as text.
     pub value: &'a str,

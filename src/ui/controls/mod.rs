@@ -9,12 +9,11 @@ pub mod theme;
 use self::symbol::Symbol;
 use self::theme::Themed as _;
 use super::{Panel, key_in_brackets};
-use egui::{Align, Frame, Layout, Margin, RichText, Ui};
+use egui::{Align, Button, Frame, Id, Layout, Margin, RichText, Ui, Widget, WidgetText};
 use touchline_application::app::Command;
 
 /// A title, and at the right end a button that closes the panel or page.
 pub struct Heading<'a> {
-    /// The title.
     pub title: &'a str,
     /// The command that shows and closes the panel or page.
     pub command: Command,
@@ -56,5 +55,32 @@ impl Heading<'_> {
                     });
                 });
             });
+    }
+}
+
+/// Shows a button with a tooltip. Returns whether it was clicked.
+pub fn show_button(ui: &mut Ui, button: impl Widget, tip: impl Into<WidgetText>) -> bool {
+    ui.add(button).on_hover_text(tip).clicked()
+}
+
+/// Shows the rows of a list with a unique name, of which the first few stand alone until the user
+/// unfolds it with the button `all`.
+pub fn show_folded(
+    ui: &mut Ui,
+    name: &str,
+    (length, first): (usize, usize),
+    all: &str,
+    mut show_row: impl FnMut(&mut Ui, usize),
+) {
+    let memory = Id::unique(name);
+    let is_open = ui.data(|data| data.get_temp::<bool>(memory).unwrap_or(false));
+    let shown = if is_open { length } else { length.min(first) };
+    for row in 0..shown {
+        show_row(ui, row);
+    }
+    let says = if is_open { "Fewer" } else { all };
+    let button = Button::new(RichText::new(says).small()).frame(false);
+    if length > first && ui.add(button).clicked() {
+        ui.data_mut(|data| data.insert_temp(memory, !is_open));
     }
 }

@@ -7,7 +7,6 @@ use egui::{
 };
 use std::sync::Arc;
 
-/// A symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symbol {
     /// Close or delete.
@@ -20,13 +19,11 @@ pub enum Symbol {
     Landmark,
     /// The pointer that selects.
     Pointer,
-    /// A mask.
     Mask,
     /// Selected.
     Tick,
     /// The Enter key.
     Return,
-    /// A warning.
     Warning,
     /// Information.
     Info,
@@ -34,27 +31,20 @@ pub enum Symbol {
     Folded,
     /// Expanded; a click collapses.
     Unfolded,
-    /// Play.
     Play,
-    /// Pause.
     Pause,
     /// A video.
     Film,
-    /// A folder.
     Folder,
     /// A project.
     Document,
     /// Pictures to try.
     Picture,
-    /// A lesson.
     Lesson,
-    /// A camera.
     Camera,
-    /// The forest.
     Forest,
     /// A list to work through.
     List,
-    /// A plot.
     Plot,
 }
 

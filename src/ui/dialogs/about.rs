@@ -2,6 +2,7 @@
 
 use super::sheet;
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{symbol, theme};
 use crate::ui::rows::notices;
@@ -29,11 +30,11 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ui.add_space(2.0 * theme::SPACE);
         theme::title(ui, "IF YOU PUBLISH, CITE THE PAPER");
         ui.add(Label::new(CITATION).wrap().selectable(true));
-        if ui
-            .add(Button::new("Copy citation").small())
-            .on_hover_text("Copy the citation as text.")
-            .clicked()
-        {
+        if show_button(
+            ui,
+            Button::new("Copy citation").small(),
+            "Copy the citation as text.",
+        ) {
             ui.ctx().copy_text(CITATION.to_owned());
         }
         ui.add_space(2.0 * theme::SPACE);
@@ -45,13 +46,11 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 .wrap()
                 .selectable(true),
         );
-        let copy = ui.button("Copy diagnostic report");
-        if copy
-            .on_hover_text(
-                "Copy versions, graphics adapter and counts. It contains no paths and no pictures.",
-            )
-            .clicked()
-        {
+        if show_button(
+            ui,
+            Button::new("Copy diagnostic report"),
+            "Copy versions, graphics adapter and counts. It contains no paths and no pictures.",
+        ) {
             ui.ctx().copy_text(report);
         }
     });

@@ -2,6 +2,7 @@
 //! many of them are wrong or left and why, and a look at the doubtful ones and at samples.
 
 use super::{cancel, has_just_opened, sheet};
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::miniature;
 use crate::ui::{Panel, review};
@@ -43,9 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 review::threshold(panel, ui);
             });
         }
-        ui.add(
-            Label::new(RichText::new(describe(panel, &shown)).color(ui.palette().strong)).wrap(),
-        );
+        theme::strong_text(ui, describe(panel, &shown));
         disagreeing(panel, ui, bulk);
         ui.add_space(theme::SPACE);
         // The thumbnails take the height that heading and buttons leave.
@@ -300,12 +299,12 @@ pub fn show_discard_batch(panel: &mut Panel<'_>, ctx: &Context, batch: BatchId, 
     sheet(panel, ctx, &title, vec2(460.0, 180.0), |panel, ui| {
         let what = "They show again what was suggested before, or nothing. Frames that you have \
                     changed or accepted since are kept. Undo gives the suggestions back.";
-        ui.add(Label::new(RichText::new(what).color(ui.palette().strong)).wrap());
+        theme::strong_text(ui, what);
         ui.add_space(2.0 * theme::SPACE);
         let row = vec2(ui.available_width(), 28.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let does = RichText::new(format!("Discard {frames}")).color(ui.palette().bad);
-            if ui.button(does).on_hover_text("One step of undo.").clicked() {
+            if show_button(ui, Button::new(does), "One step of undo.") {
                 let discard = EditAction::DiscardBatch(batch);
                 panel.edit(discard);
             }

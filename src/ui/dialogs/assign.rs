@@ -3,7 +3,7 @@
 use super::{has_just_opened, sheet};
 use crate::ui::Panel;
 use crate::ui::controls::theme::{self, Themed as _};
-use egui::{Button, Context, Id, Label, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{Button, Context, Id, RichText, ScrollArea, TextEdit, Ui, vec2};
 use touchline_application::app::selection::Scope;
 use touchline_application::app::{CameraChoice, EditAction, Navigation};
 use touchline_core::geometry::pluralise;
@@ -69,7 +69,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
             });
             ui.add_space(theme::SPACE);
             let text = "Their points are solved with the other base. Proposed and manual values are removed. One step of undo.";
-            ui.add(Label::new(RichText::new(text).small().color(ui.palette().weak)).wrap());
+            theme::small_weak_text(ui, text);
         },
     );
     ctx.data_mut(|data| data.insert_temp(memory, name));

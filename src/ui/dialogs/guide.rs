@@ -5,6 +5,7 @@
 
 use super::sheet;
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Palette, Themed as _};
 use crate::ui::drawing::pictures::decode_texture;
 use egui::text::{LayoutJob, TextFormat};
@@ -51,8 +52,11 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
                 }
                 if leads_back {
                     ui.add_space(2.0 * theme::SPACE);
-                    let back = ui.add(Button::new("Back").min_size(vec2(LIST, 22.0)));
-                    if back.on_hover_text("Back to the dialog. (Esc)").clicked() {
+                    if show_button(
+                        ui,
+                        Button::new("Back").min_size(vec2(LIST, 22.0)),
+                        "Back to the dialog. (Esc)",
+                    ) {
                         panel.close_dialog();
                     }
                 }

@@ -173,7 +173,7 @@ fn show_fixed_keys(ui: &mut Ui) {
         .spacing([12.0, 4.0])
         .show(ui, |ui| {
             for (key, about) in FIXED {
-                ui.label(RichText::new(key).color(ui.palette().strong));
+                theme::strong(ui, key);
                 ui.add(Label::new(about).wrap());
                 ui.end_row();
             }

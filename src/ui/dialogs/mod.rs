@@ -21,6 +21,7 @@ mod typed;
 pub use keys::captures_keys;
 
 use super::{Panel, key_in_brackets};
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{symbol, theme};
 use crate::ui::rows::menu::is_on;
@@ -175,7 +176,7 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
 
 /// The button that closes the dialog without carrying anything out.
 fn cancel(panel: &mut Panel<'_>, ui: &mut Ui, tip: &str) {
-    if ui.button("Cancel").on_hover_text(tip).clicked() {
+    if show_button(ui, Button::new("Cancel"), tip) {
         panel.close_dialog();
     }
 }
@@ -184,7 +185,7 @@ fn cancel(panel: &mut Panel<'_>, ui: &mut Ui, tip: &str) {
 /// is open) is not run, because it would be switched off.
 fn closing_button(panel: &mut Panel<'_>, ui: &mut Ui, button: Button<'_>, command: Command) {
     let tip = panel.app.settings.keys.tooltip(command);
-    if ui.add(button).on_hover_text(tip).clicked() {
+    if show_button(ui, button, tip) {
         panel.close_dialog();
         if !is_on(panel.app, command) {
             panel.run(command);

@@ -3,6 +3,7 @@
 
 use super::{cancel, closing_button, sheet};
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align, Button, Context, Label, Layout, RichText, ScrollArea, Ui, vec2};
 use touchline_application::app::session::{Leaving, Saving};
@@ -19,7 +20,7 @@ pub fn show_orphans(panel: &mut Panel<'_>, ctx: &Context) {
         |panel, ui| {
             let text =
                 "These edits were made to another version of this document and are not part of it.";
-            ui.add(Label::new(RichText::new(text).color(ui.palette().strong)).wrap());
+            theme::strong_text(ui, text);
             ui.add_space(2.0 * theme::SPACE);
             ScrollArea::vertical()
                 .id_salt("edits set aside")
@@ -91,18 +92,18 @@ pub fn show_not_saved(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
                 does_only,
             ),
         };
-        ui.add(Label::new(RichText::new(what).color(ui.palette().strong)).wrap());
+        theme::strong_text(ui, what);
         ui.add_space(2.0 * theme::SPACE);
         let row = vec2(ui.available_width(), 28.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let elsewhere = Button::new("Save elsewhere…").fill(ui.palette().accent_ground);
             closing_button(panel, ui, elsewhere, Command::SaveAs);
             cancel(panel, ui, "Continue working; saving is tried again. (Esc)");
-            if ui
-                .button(RichText::new(does).color(ui.palette().bad))
-                .on_hover_text("This cannot be undone.")
-                .clicked()
-            {
+            if show_button(
+                ui,
+                Button::new(RichText::new(does).color(ui.palette().bad)),
+                "This cannot be undone.",
+            ) {
                 panel.actions.push(Action::LeaveUnsaved);
             }
         });
@@ -147,7 +148,7 @@ pub fn show_changed_outside(panel: &mut Panel<'_>, ctx: &Context) {
             let text = format!(
                 "Another program changed {file} after you opened it.{own} The document is not written until you choose."
             );
-            ui.add(Label::new(RichText::new(text).color(ui.palette().strong)).wrap());
+            theme::strong_text(ui, text);
             ui.add_space(2.0 * theme::SPACE);
             for (choice, says, does) in CHOICES {
                 // Merging combines both versions, so it is the main choice.
@@ -155,10 +156,10 @@ pub fn show_changed_outside(panel: &mut Panel<'_>, ctx: &Context) {
                 if choice == OutsideChoice::Merge {
                     button = button.fill(ui.palette().accent_ground);
                 }
-                if ui.add(button).on_hover_text(does).clicked() {
+                if show_button(ui, button, does) {
                     panel.actions.push(Action::ResolveOutside(choice));
                 }
-                ui.add(Label::new(RichText::new(does).small().color(ui.palette().weak)).wrap());
+                theme::small_weak_text(ui, does);
             }
             let elsewhere = Button::new("Save elsewhere…").min_size(vec2(180.0, 26.0));
             closing_button(panel, ui, elsewhere, Command::SaveAs);

@@ -5,8 +5,8 @@ use super::floating;
 use crate::ui::Panel;
 use crate::ui::controls::theme::{self, Themed as _};
 use egui::{
-    Button, Color32, Context, CornerRadius, Grid, Rect, RichText, Role, Sense, Slider, Stroke,
-    StrokeKind, Ui, Vec2, WidgetInfo, vec2,
+    Button, Color32, Context, CornerRadius, Grid, Rect, Role, Sense, Slider, Stroke, StrokeKind,
+    Ui, Vec2, WidgetInfo, vec2,
 };
 use touchline_application::app::{Action, Command, SettingsAction};
 use touchline_application::scene::{
@@ -247,7 +247,7 @@ pub fn show_picture_look(panel: &mut Panel<'_>, ctx: &Context) {
         let tip = keys.with_key(Command::PictureLook, |key| {
             format!("{key} opens and closes this.")
         });
-        ui.label(RichText::new(tip).small().color(ui.palette().weak));
+        theme::small_weak(ui, tip);
         if look != before {
             panel.set(SettingsAction::PictureLook(look));
         }

@@ -3,8 +3,8 @@
 use super::overlay_style::show_swatches;
 use super::sheet;
 use crate::ui::Panel;
-use crate::ui::controls::theme::{self, Themed as _};
-use egui::{Button, Context, Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
+use crate::ui::controls::theme::{self};
+use egui::{Button, Context, Grid, ScrollArea, Slider, Ui, vec2};
 use touchline_application::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
 use touchline_application::app::{Command, SettingsAction};
 use touchline_application::scene::SPORTS;
@@ -61,7 +61,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     });
                     group(ui, "WHAT IS KEPT AND SENT", |ui| {
                         for text in [KEPT, TELEMETRY] {
-                            ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
+                            theme::text(ui, text);
                         }
                     });
                 });
@@ -76,7 +76,6 @@ fn group(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
     ui.add_space(2.0 * theme::SPACE);
 }
 
-/// The choice of the theme.
 fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
     let before = panel.app.settings.theme;
     ui.horizontal(|ui| {
@@ -159,7 +158,7 @@ fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// ground with every kind of colour vision.
 fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
     let text = "Underlined: easy to see on the sport's ground with every kind of colour vision.";
-    ui.label(RichText::new(text).small().color(ui.palette().weak));
+    theme::small_weak(ui, text);
     Grid::new("line colours")
         .num_columns(2)
         .min_col_width(SPORT)

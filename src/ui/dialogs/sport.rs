@@ -5,8 +5,8 @@ use crate::ui::Panel;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::{PlateStyle, plate};
 use egui::{
-    Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role,
-    ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, Context, CornerRadius, FontId, Painter, Rect, Response, Role, ScrollArea,
+    Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::{App, EditAction};
 use touchline_application::scene::{Ground, Sport};
@@ -29,7 +29,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         "Sport and field",
         vec2(660.0, 500.0),
         |panel, ui| {
-            ui.add(Label::new(RichText::new(cost(panel.app)).color(ui.palette().text)).wrap());
+            theme::text(ui, cost(panel.app));
             ui.add_space(theme::SPACE);
             let chosen = panel
                 .app

@@ -2,6 +2,7 @@
 
 use super::{cancel, has_just_opened, sheet};
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::rows::menu::file_name;
 use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
@@ -67,10 +68,7 @@ pub fn show_path(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
     let mut typed = known.filter(|_| !opened).unwrap_or_default();
     let (title, does, example) = describe_question(question);
     sheet(panel, ctx, title, vec2(520.0, 160.0), |panel, ui| {
-        ui.label(
-            RichText::new("No file dialog is available. Type or paste the path.")
-                .color(ui.palette().weak),
-        );
+        theme::weak(ui, "No file dialog is available. Type or paste the path.");
         let field = TextEdit::singleline(&mut typed)
             .hint_text(example)
             .desired_width(f32::INFINITY);
@@ -117,7 +115,7 @@ pub fn show_comment(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
         // Read before the text field sees it, where Enter begins a new line.
         let save = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter));
         let name = panel.app.frame().map(Frame::name).unwrap_or_default();
-        ui.label(RichText::new(file_name(&name)).color(ui.palette().weak));
+        theme::weak(ui, file_name(&name));
         let field = TextEdit::multiline(&mut typed)
             .desired_rows(4)
             .desired_width(f32::INFINITY);
@@ -129,11 +127,11 @@ pub fn show_comment(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
         ui.add_space(theme::SPACE);
         let row = vec2(ui.available_width(), 24.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
-            let keep = ui.add(Button::new("Save comment").fill(ui.palette().accent_ground));
-            if keep
-                .on_hover_text("Save the comment; an empty one is removed. (Ctrl+Enter)")
-                .clicked()
-                || save
+            if show_button(
+                ui,
+                Button::new("Save comment").fill(ui.palette().accent_ground),
+                "Save the comment; an empty one is removed. (Ctrl+Enter)",
+            ) || save
             {
                 panel.edit(EditAction::SetComment(typed.clone()));
             }

@@ -119,7 +119,6 @@ impl CallbackTrait for Canvas {
 /// Drawings over a picture, from back to front.
 #[derive(Clone, Debug, Default)]
 pub struct Overlay {
-    /// The drawings.
     pub drawings: Vec<Arc<Drawing>>,
 }
 

@@ -79,7 +79,6 @@ impl Pictures {
         self.thumbnail_of(picture_source(open, frame)?)
     }
 
-    /// The thumbnail of a picture, as [`Self::thumbnail`].
     pub fn thumbnail_of(&mut self, picture: FrameRef) -> Option<egui::TextureHandle> {
         // Available ones are counted as wanted, too, for the progress. To get one marks it as used
         // last, so that thumbnails in view are the last to be dropped.

@@ -7,8 +7,8 @@ use crate::ui::controls::{symbol, theme};
 use crate::ui::drawing::labels::{self, lay_out_within};
 use crate::ui::rows::menu;
 use egui::{
-    Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense,
-    Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, Role, ScrollArea, Sense, Ui,
+    UiBuilder, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::{Action, App, Command, EditAction, Navigation};
 use touchline_application::scene::overlay::{CHECK, click_colour};
@@ -62,7 +62,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
                 } else {
                     "Points that you click in the picture are listed here."
                 };
-                ui.label(RichText::new(says).color(ui.palette().weak));
+                theme::weak(ui, says);
             }
             // Scrolls to the selected point once; later the user may scroll away.
             let session = &panel.app.session;
@@ -324,7 +324,7 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
 
 /// The tooltip of a point: name, position in px, and what is special about it.
 fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
-    ui.label(RichText::new(format!("{}  {name}", index + 1)).color(ui.palette().strong));
+    theme::strong(ui, format!("{}  {name}", index + 1));
     ui.label(format!("x {:.2}, y {:.2} px", click.image.x, click.image.y));
     if let Some(sigma_px) = click.snapped_sigma_px {
         ui.label(format!(
@@ -346,7 +346,7 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     let keys = &app.settings.keys;
     let key = keys.with_key(Command::RenameClick, |key| format!(" or press {key}"));
     let rename = format!("Double-click{key} to rename it.");
-    ui.label(RichText::new(rename).color(ui.palette().weak));
+    theme::weak(ui, rename);
 }
 
 /// What a model says of a point, or that a person moved or renamed it.

@@ -2,6 +2,7 @@
 //! are collapsed by default.
 
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{symbol, theme};
@@ -99,8 +100,7 @@ const VALUE: f32 = 172.0;
 
 /// A row of a grid: name and value, with a tooltip.
 fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
-    ui.label(RichText::new(name).color(ui.palette().weak))
-        .on_hover_text(tip);
+    theme::weak(ui, name).on_hover_text(tip);
     // A long value must not widen the panel.
     let value = Label::new(RichText::new(value.into()).color(ui.palette().text)).truncate();
     ui.scope(|ui| {
@@ -194,7 +194,7 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
         .spacing([8.0, 2.0])
         .show(ui, |ui| {
             for head in ["point", "right", "down", "1-σ"] {
-                ui.label(RichText::new(head).small().color(ui.palette().weak));
+                theme::small_weak(ui, head);
             }
             ui.end_row();
             for residual in &solved.residuals {
@@ -258,11 +258,7 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
         let button = Button::new(
             RichText::new(format!("{label}: {}", next.gain())).color(ui.palette().text),
         );
-        if ui
-            .add(button.frame(false).truncate())
-            .on_hover_text(tip)
-            .clicked()
-        {
+        if show_button(ui, button.frame(false).truncate(), tip) {
             panel.edit(EditAction::Pick(target));
         }
     }

@@ -27,7 +27,6 @@ const LEAST_MAP: f32 = 104.0;
 /// Maximum height of the verdict as a share of the panel; beyond that it scrolls.
 const MOST_VERDICT: f32 = 0.4;
 
-/// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.frame().is_none() {
         return;

@@ -2,8 +2,9 @@
 
 use crate::ui::Panel;
 use crate::ui::controls::number::Number;
-use crate::ui::controls::theme::{self, Themed as _};
-use egui::{Align, Button, Layout, RichText, Ui};
+use crate::ui::controls::show_button;
+use crate::ui::controls::theme::{self};
+use egui::{Align, Button, Layout, Ui};
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, pluralise};
@@ -31,11 +32,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         theme::title(ui, "CAMERA");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.label(
-                RichText::new(source(app, frame))
-                    .small()
-                    .color(ui.palette().weak),
-            );
+            theme::small_weak(ui, source(app, frame));
         });
     });
     let shown = app.shown_values();
@@ -207,16 +204,15 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
         match sigma.filter(|sigma| sigma.is_finite()) {
             Some(sigma) => {
                 ui.label("Worst corner");
-                ui.label(RichText::new(format!("±{sigma:.1} px")).color(ui.palette().strong));
+                theme::strong(ui, format!("±{sigma:.1} px"));
             }
             None => {
-                ui.label(RichText::new("Uncertainty unknown").color(ui.palette().weak));
+                theme::weak(ui, "Uncertainty unknown");
             }
         }
         if panel.app.current().by_hand && !shown.is_estimated && !frame.clicks.is_empty() {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let again = ui.add(Button::new("Solve again").small());
-                if again.on_hover_text("Solve from the points again and discard the numbers set manually.").clicked() {
+                if show_button(ui, Button::new("Solve again").small(), "Solve from the points again and discard the numbers set manually.") {
                     panel.edit(EditAction::SolveAgain);
                 }
             });
@@ -231,17 +227,14 @@ fn show_unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     // From what stands in the way to what the user can do: an estimated base is shown, there is no
     // base, or nothing has been solved yet.
     if panel.app.shown_values().is_estimated {
-        ui.label(
-            RichText::new("No points here to solve with the estimated base.")
-                .color(ui.palette().weak),
-        );
+        theme::weak(ui, "No points here to solve with the estimated base.");
         return;
     }
     if panel.app.current().base.is_none() {
-        ui.label(RichText::new("The camera's position is not known yet.").color(ui.palette().weak));
+        theme::weak(ui, "The camera's position is not known yet.");
         return;
     }
-    ui.label(RichText::new("Not solved yet.").color(ui.palette().weak));
+    theme::weak(ui, "Not solved yet.");
     let by_hand = ui
         .button("Set manually")
         .on_hover_text("Start from a typical view and drag pan, tilt and focal length.");

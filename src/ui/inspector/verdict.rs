@@ -4,6 +4,7 @@
 //! check and the switch for training.
 
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{symbol, theme};
@@ -50,7 +51,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                         "Good: no evidence against it. Check: look before you accept. Wrong: something contradicts it.",
                     );
                 });
-                ui.add(Label::new(RichText::new(sentence(&judgement.reason)).color(ui.palette().text)).wrap());
+                theme::text(ui, sentence(&judgement.reason));
                 if !shown.is_estimated {
                     ways_out(panel, ui, &judgement.reason);
                 }
@@ -109,10 +110,7 @@ fn is_proposal(frame: &Frame) -> bool {
 /// Shows the confidence of a proposal, and whether it is accepted.
 fn proposal(app: &App, ui: &mut Ui) {
     let Some(frame) = app.frame() else { return };
-    let confidence = frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.confidence);
+    let confidence = frame.confidence();
     let certain = confidence.map(|confidence| format!(", confidence {}", percent(confidence)));
     let accepted = frame.status == FrameStatus::Reference;
     let state = if accepted {
@@ -291,11 +289,11 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     ui.horizontal(|ui| {
         if let Some(better) = better {
             let says = format!("Assign to {}", better.camera);
-            if ui
-                .add(Button::new(says).truncate())
-                .on_hover_text("This frame fits that camera better.")
-                .clicked()
-            {
+            if show_button(
+                ui,
+                Button::new(says).truncate(),
+                "This frame fits that camera better.",
+            ) {
                 let camera = CameraChoice::Known(better.camera.clone());
                 panel.edit(EditAction::AssignToCamera {
                     scope: Scope::Frame,
@@ -306,7 +304,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
             panel.run_on_click(ui.button(word), command);
             compare(panel, ui);
         } else if let Some(way) = way
-            && ui.button(way.word).on_hover_text(way.about).clicked()
+            && show_button(ui, Button::new(way.word), way.about)
         {
             panel.actions.extend(way.actions);
         }
@@ -314,11 +312,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
             let rest =
                 Button::new(RichText::new(format!("{more} more")).color(ui.palette().caution))
                     .frame(false);
-            if ui
-                .add(rest)
-                .on_hover_text("Show all warnings in the details.")
-                .clicked()
-            {
+            if show_button(ui, rest, "Show all warnings in the details.") {
                 panel.set(SettingsAction::Details(true));
             }
         }

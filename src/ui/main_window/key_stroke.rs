@@ -17,7 +17,6 @@ pub struct KeyStroke {
     pub pressed: bool,
     /// Whether this is an automatic repetition while the key stays down.
     pub repeat: bool,
-    /// The modifiers.
     pub modifiers: Modifiers,
 }
 

@@ -7,6 +7,7 @@ use super::card;
 use super::scatter::Scatter;
 use crate::ui::Panel;
 use crate::ui::controls::bar::Bar;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::rows::menu::file_name;
 use egui::{Button, Label, RichText, Ui, vec2};
@@ -61,10 +62,11 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<ComparisonRe
         .open()
         .is_some_and(|open| open.revision != compared.revision);
     if stale
-        && ui
-            .add(Button::new("Again").small())
-            .on_hover_text("Compare this document as it is now.")
-            .clicked()
+        && show_button(
+            ui,
+            Button::new("Again").small(),
+            "Compare this document as it is now.",
+        )
     {
         panel.actions.push(Action::Compare(compared.file.clone()));
     }
@@ -74,8 +76,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<ComparisonRe
     } else {
         format!("with {name}")
     };
-    ui.label(RichText::new(text).small().color(ui.palette().weak))
-        .on_hover_text(compared.file.display().to_string());
+    theme::small_weak(ui, text).on_hover_text(compared.file.display().to_string());
 }
 
 /// Shows the result of a comparison.
@@ -118,7 +119,7 @@ fn show_agreement(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
                     file_name(&frame.name),
                     pair.apart_px()
                 );
-                ui.label(RichText::new(text).color(ui.palette().strong));
+                theme::strong(ui, text);
                 if clicked {
                     panel.look_at(frame.frames[0], Some(pair.clicks[0]));
                 }
@@ -225,15 +226,13 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
             .iter()
             .map(|dispute| describe_dispute(panel.app, dispute))
             .collect();
-        let row = ui.add(
+        if show_button(
+            ui,
             Button::new(RichText::new(text).color(ui.palette().caution))
                 .frame(false)
                 .truncate(),
-        );
-        if row
-            .on_hover_text(format!("{}\nClick to look at it.", all.join("\n")))
-            .clicked()
-        {
+            format!("{}\nClick to look at it.", all.join("\n")),
+        ) {
             panel.look_at(frame.frames[0], Some(frame.names[0].clicks[0]));
         }
     }

@@ -5,6 +5,7 @@
 use super::course_plots::CoursePlots;
 use super::{card, legend};
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::rows::menu::file_name;
 use egui::{Button, Label, RichText, Ui};
@@ -110,11 +111,11 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
             (TimeAxis::Video, "Video time", "Use the video's time."),
             (TimeAxis::Frame, "Frames", "Use frame numbers."),
         ] {
-            if ui
-                .add(Button::selectable(course.axis == axis, says).small())
-                .on_hover_text(tip)
-                .clicked()
-            {
+            if show_button(
+                ui,
+                Button::selectable(course.axis == axis, says).small(),
+                tip,
+            ) {
                 actions.push(Action::View(ViewAction::SetTimeAxis(axis)));
             }
         }
@@ -155,7 +156,7 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
         let text = format!(
             "{time} to the right. Click to go to the frame, Ctrl and wheel or + and − to zoom, drag to move."
         );
-        ui.label(RichText::new(text).small().color(ui.palette().weak));
+        theme::small_weak(ui, text);
         return;
     };
     let text = describe_point(point, frame, course.axis);
@@ -182,10 +183,7 @@ fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String 
     } else {
         String::new()
     };
-    let confidence = frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.confidence);
+    let confidence = frame.confidence();
     // Parts that a frame may lack are empty.
     let right = confidence
         .map(|confidence| format!(", confidence {}", percent(confidence)))
@@ -232,21 +230,17 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
                 file_name(&frame.name()),
                 point.apart_px.unwrap_or(0.0)
             );
-            if ui
-                .add(Button::new(says).small())
-                .on_hover_text(format!("Look at frame {}.", frame.number_at(point.frame)))
-                .clicked()
-            {
+            if show_button(
+                ui,
+                Button::new(says).small(),
+                format!("Look at frame {}.", frame.number_at(point.frame)),
+            ) {
                 panel.look_at(point.frame, None);
             }
         }
         let more = course.standing_out.len().saturating_sub(NAMED);
         if more > 0 {
-            ui.label(
-                RichText::new(format!("and {more} more"))
-                    .small()
-                    .color(ui.palette().weak),
-            );
+            theme::small_weak(ui, format!("and {more} more"));
         }
     });
 }

@@ -54,12 +54,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 fn show_unit(ui: &mut Ui) {
     let tip = "The distance between a click and where the frame's camera projects its landmark or line, scaled to 1920 px width.";
-    ui.label(
-        RichText::new("px at 1920 px width")
-            .small()
-            .color(ui.palette().weak),
-    )
-    .on_hover_text(tip);
+    theme::small_weak(ui, "px at 1920 px width").on_hover_text(tip);
 }
 
 /// Shows what the line over the bars means.

@@ -7,8 +7,8 @@ use super::card;
 use super::scatter::Scatter;
 use crate::ui::Panel;
 use crate::ui::controls::bar::Bar;
-use crate::ui::controls::theme::{self, Themed as _};
-use egui::{Button, Label, RichText, Ui, vec2};
+use crate::ui::controls::theme::{self};
+use egui::{Button, Ui, vec2};
 use touchline_application::app::Command;
 use touchline_calibration::calibrate::OwnNoise;
 use touchline_core::geometry::pluralise;
@@ -63,7 +63,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                             .map_or(repeat.frame as u64, |open| open.frame_number(repeat.frame));
                         let text =
                             format!("Frame {number}: {label}, {:.1} px", repeat.offset_px.norm());
-                        ui.label(RichText::new(text).color(ui.palette().strong));
+                        theme::strong(ui, text);
                         if clicked {
                             panel.look_at(repeat.frame, repeat.click);
                         }
@@ -107,7 +107,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
         panel.command_button(ui, Button::new(says).small(), command);
     }
     let gold = pluralise(app.gold().frames, "gold frame");
-    ui.label(RichText::new(gold).small().color(ui.palette().weak));
+    theme::small_weak(ui, gold);
 }
 
 /// Describes the annotator's click noise, with the numbers behind it, and which noise weights the
@@ -123,7 +123,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         }
         None => "Too few blind clicks to estimate your click noise".to_owned(),
     };
-    ui.add(Label::new(RichText::new(said).color(ui.palette().strong)).wrap()).on_hover_text(
+    theme::strong_text(ui, said).on_hover_text(
         "1-σ of a single click at 1920 px width. The rings are one and two σ of the distance between two clicks.",
     );
     // Noise in each direction, and clicks that are too far off to be noise.
@@ -142,7 +142,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let clicks = pluralise(own.repeats, "blind click");
     let frames = pluralise(own.frames, "frame");
     let text = format!("{clicks} in {frames}{axes}.{aside}");
-    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
+    theme::text(ui, text);
     // Which noise weights the clicks at present, and how the own one compares with it.
     let used = panel
         .app
@@ -165,8 +165,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     };
     let tip = "Half of the variance that a field template states for a landmark comes from clicking, half from the place: paint \
                is wide, and no field is painted to the centimetre. Your blind clicks replace the first half.";
-    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap())
-        .on_hover_text(tip);
+    theme::text(ui, text).on_hover_text(tip);
 }
 
 /// Compares an annotator's click noise with the usual one, in a sentence.
@@ -219,10 +218,6 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     }
     let more = sorted.len().saturating_sub(LANDMARKS_SHOWN);
     if more > 0 {
-        ui.label(
-            RichText::new(format!("{more} more landmarks"))
-                .small()
-                .color(ui.palette().weak),
-        );
+        theme::small_weak(ui, format!("{more} more landmarks"));
     }
 }

@@ -7,9 +7,10 @@ use super::card;
 use super::errors::{describe_most, px};
 use crate::ui::Panel;
 use crate::ui::controls::bar::Bar;
+use crate::ui::controls::show_folded;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::rows::menu::file_name;
-use egui::{Button, Id, RichText, Ui};
+use egui::Ui;
 use touchline_application::app::quality::TargetErrors;
 use touchline_core::geometry::pluralise;
 
@@ -33,31 +34,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 theme::weak_text(ui, NOTHING);
                 return;
             }
-            let unfolded = Id::unique("all landmarks of the quality page");
-            let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
-            let shown = if all {
-                targets.len()
-            } else {
-                targets.len().min(SHOWN)
-            };
             let largest = bar_end_px(targets);
             ui.spacing_mut().item_spacing.y = 0.0;
-            for errors in &targets[..shown] {
-                row(panel, ui, errors, largest);
-            }
-            if targets.len() > SHOWN {
-                let says = if all {
-                    "Fewer".to_owned()
-                } else {
-                    format!("All {}", targets.len())
-                };
-                if ui
-                    .add(Button::new(RichText::new(says).small()).frame(false))
-                    .clicked()
-                {
-                    ui.data_mut(|data| data.insert_temp(unfolded, !all));
-                }
-            }
+            let all = format!("All {}", targets.len());
+            let lengths = (targets.len(), SHOWN);
+            show_folded(
+                ui,
+                "all landmarks of the quality page",
+                lengths,
+                &all,
+                |ui, at| {
+                    row(panel, ui, &targets[at], largest);
+                },
+            );
         },
     );
 }
@@ -80,8 +69,7 @@ fn bar_end_px(targets: &[TargetErrors]) -> f64 {
 fn explain_bars(ui: &mut Ui, is_empty: bool) {
     let tip = "The stroke marks the median expected of correct clicks, from how precisely people hit this landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
     let words = if is_empty { "" } else { "median; | expected" };
-    ui.label(RichText::new(words).small().color(ui.palette().weak))
-        .on_hover_text(tip);
+    theme::small_weak(ui, words).on_hover_text(tip);
 }
 
 /// Shows one landmark or line: its median as a bar, with a stroke at the median expected of correct

@@ -4,6 +4,7 @@
 mod list;
 
 use super::{Panel, inspector};
+use crate::ui::controls::show_button;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{Heading, symbol, theme};
@@ -12,7 +13,6 @@ use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Command, ViewAction};
 use touchline_core::geometry::pluralise;
 
-/// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
     // The footer is laid out first; the list takes the rest.
@@ -49,7 +49,7 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Shows the number of suggestions.
 fn count(panel: &mut Panel<'_>, ui: &mut Ui) {
     let said = pluralise(panel.app.review().count(), "suggestion");
-    ui.label(RichText::new(said).color(ui.palette().weak));
+    theme::weak(ui, said);
 }
 
 /// Shows the choice of the order, and whether only one suggestion of each shot is listed.
@@ -62,7 +62,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
                 let chosen = panel.app.session.review.order;
                 for order in ReviewOrder::ALL {
                     let says = Button::selectable(order == chosen, order.label());
-                    if ui.add(says).on_hover_text(order.about()).clicked() {
+                    if show_button(ui, says, order.about()) {
                         panel.view(ViewAction::SetReviewOrder(order));
                     }
                 }

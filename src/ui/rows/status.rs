@@ -1,6 +1,7 @@
 //! The bottom row: the next step, the pointer's position, the zoom, and what undo would revert.
 
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::drawing::labels::text_width;
 use egui::{Align, Button, Label, Layout, RectAlign, RichText, TextStyle, Tooltip, Ui};
@@ -159,7 +160,7 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
             "Screen px per px of the picture. {} The wheel zooms to the pointer.",
             panel.app.settings.keys.tooltip(Command::ZoomToFit)
         );
-        if ui.add(button).on_hover_text(tip).clicked() {
+        if show_button(ui, button, tip) {
             panel.run(Command::ZoomToFit);
         }
         ui.separator();

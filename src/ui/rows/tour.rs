@@ -2,10 +2,9 @@
 //! row and covers nothing.
 
 use crate::ui::Panel;
-use crate::ui::controls::theme::Themed as _;
-use egui::{
-    Align, Button, Color32, Frame, Label, Layout, Margin, RichText, Sense, Stroke, Ui, vec2,
-};
+use crate::ui::controls::show_button;
+use crate::ui::controls::theme::{self, Themed as _};
+use egui::{Align, Button, Color32, Frame, Layout, Margin, RichText, Sense, Stroke, Ui, vec2};
 use touchline_application::app::Command;
 use touchline_application::app::tour::{Tour, TourStep};
 
@@ -37,11 +36,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                         } else {
                             command.name()
                         };
-                        if ui
-                            .add(Button::new(says).small())
-                            .on_hover_text(command.about())
-                            .clicked()
-                        {
+                        if show_button(ui, Button::new(says).small(), command.about()) {
                             panel.run(*command);
                         }
                     }
@@ -49,7 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 });
             });
             let text = step.text(&panel.app.settings.keys);
-            ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
+            theme::text(ui, text);
         });
 }
 

@@ -66,7 +66,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.scope_builder(UiBuilder::new().max_rect(left), |ui| {
             film::show(ui, film);
             ui.add_space(2.0 * theme::SPACE);
-            ui.label(RichText::new(NEEDED).color(ui.palette().weak));
+            theme::weak(ui, NEEDED);
         });
     }
     let right = below.with_min_x(below.right() - column);
@@ -146,7 +146,7 @@ fn beginnings(panel: &mut Panel<'_>, ui: &mut Ui) {
         panel.run_on_click(ui.add(row), command);
     }
     path_field(panel, ui);
-    ui.label(RichText::new(INVITATION).small().color(ui.palette().weak));
+    theme::small_weak(ui, INVITATION);
     show_recent(panel, ui);
 }
 

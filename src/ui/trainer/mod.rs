@@ -136,7 +136,7 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     if status.withheld > 0 {
         let withheld = pluralise(status.withheld, "reference");
         let text = format!("{withheld} not used for training.");
-        ui.label(RichText::new(text).color(ui.palette().weak)).on_hover_text(
+        theme::weak(ui, text).on_hover_text(
             "Training with the forest's own proposals would add nothing new and repeat its mistakes; so would a frame whose \
              verdict is Wrong. The switch of a frame overrides this.",
         );
@@ -238,7 +238,7 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
         .spacing([12.0, 2.0])
         .show(ui, |ui| {
             for (name, value) in rows {
-                ui.label(RichText::new(name).color(ui.palette().weak));
+                theme::weak(ui, name);
                 ui.label(value);
                 ui.end_row();
             }
@@ -285,7 +285,6 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
 }
 
-/// A text with a symbol.
 fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
     ui.add_space(theme::SPACE);
     ui.horizontal_top(|ui| {

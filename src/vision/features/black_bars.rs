@@ -66,12 +66,7 @@ pub(super) fn black_bars(pictures: &[ReducedPicture]) -> Vec<StaticGraphic> {
             Border::Left => right = (first.step * rows) as f64,
             Border::Right => x = (first.step * (first.width - rows)) as f64,
         }
-        let pixel_box = PixelBox {
-            x,
-            y,
-            width: right - x,
-            height: bottom - y,
-        };
+        let pixel_box = PixelBox::new(x, y, right - x, bottom - y);
         bars.push(StaticGraphic::throughout(pixel_box, pictures.len()));
     }
     bars

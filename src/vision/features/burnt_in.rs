@@ -229,12 +229,7 @@ fn graphic_from_points(
     );
     let pictures = members.iter().map(|&member| points[member].1);
     Some(BurntInGraphic {
-        pixel_box: PixelBox {
-            x: left,
-            y: top,
-            width: right - left,
-            height: bottom - top,
-        },
+        pixel_box: PixelBox::new(left, top, right - left, bottom - top),
         first: pictures.clone().min()?,
         last: pictures.max()?,
         features: members.len(),

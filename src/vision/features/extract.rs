@@ -101,12 +101,7 @@ fn bits(
 /// only requests more features than needed.
 #[cfg(feature = "opencv")]
 fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
-    let whole = PixelBox {
-        x: 0.0,
-        y: 0.0,
-        width: f64::from(size.width),
-        height: f64::from(size.height),
-    };
+    let whole = PixelBox::new(0.0, 0.0, f64::from(size.width), f64::from(size.height));
     let covered: f64 = masks.iter().map(|mask| shared_area(mask, &whole)).sum();
     (1.0 - covered / (whole.width * whole.height)).max(0.1)
 }

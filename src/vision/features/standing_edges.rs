@@ -220,12 +220,7 @@ fn graphic_from_group(
     );
     let to_x = (step * (right + 1.0 + MARGIN)).min(f64::from(first.size.width));
     let to_y = (step * (bottom + 1.0 + MARGIN)).min(f64::from(first.size.height));
-    let pixel_box = PixelBox {
-        x,
-        y,
-        width: to_x - x,
-        height: to_y - y,
-    };
+    let pixel_box = PixelBox::new(x, y, to_x - x, to_y - y);
     let area = f64::from(first.size.width) * f64::from(first.size.height);
     if pixel_box.width * pixel_box.height > LARGEST * area {
         return None;

@@ -38,10 +38,7 @@ impl<'a, I: ExactSizeIterator<Item = FrameRef>> FrameStream<'a, I> {
     /// Streams these frames. Nothing is read yet.
     pub fn new(frames: impl IntoIterator<IntoIter = I>) -> Self {
         let frames = frames.into_iter();
-        let share = Share {
-            done: 0,
-            of: frames.len(),
-        };
+        let share = Share::new(0, frames.len());
         Self {
             reader: Box::new(FrameReader::new()),
             frames,

@@ -229,11 +229,11 @@ impl Node {
     /// Adds a step in px: how far pan and tilt move the picture's centre, and how far zoom moves
     /// its left and right border.
     fn apply_step(ptz: Ptz, [across, down, zoom]: [f64; 3], width_px: u32) -> Ptz {
-        Ptz {
-            pan: (ptz.pan + Angle::from_radians(across / ptz.focal_px)).wrap(),
-            tilt: ptz.tilt + Angle::from_radians(down / ptz.focal_px),
-            focal_px: ptz.focal_px * (1.0 + 2.0 * zoom / f64::from(width_px)),
-        }
+        Ptz::new(
+            (ptz.pan + Angle::from_radians(across / ptz.focal_px)).wrap(),
+            ptz.tilt + Angle::from_radians(down / ptz.focal_px),
+            ptz.focal_px * (1.0 + 2.0 * zoom / f64::from(width_px)),
+        )
     }
 
     /// Approximate motion of the picture from one candidate to another, px: the inverse of
@@ -487,11 +487,7 @@ impl Region {
         tilts
             .into_iter()
             .flat_map(|tilt| pans.iter().map(move |pan| (*pan, tilt)))
-            .map(|(pan, tilt)| Ptz {
-                pan,
-                tilt,
-                focal_px,
-            })
+            .map(|(pan, tilt)| Ptz::new(pan, tilt, focal_px))
             .collect()
     }
 }

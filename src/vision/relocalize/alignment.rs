@@ -119,11 +119,7 @@ pub fn adjust_labels(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Ma
             let pan = (ptz.pan + Angle::from_radians(by.x)).wrap();
             let tilt = ptz.tilt + Angle::from_radians(by.y);
             found[member] = (
-                Ptz {
-                    pan,
-                    tilt,
-                    focal_px: ptz.focal_px + by.z,
-                },
+                Ptz::new(pan, tilt, ptz.focal_px + by.z),
                 group.covariance(place, place),
             );
         }

@@ -242,11 +242,7 @@ fn camera(body: &mut Reader) -> Result<CameraForest, ForestFileError> {
             Angle::from_radians(body.f64()?),
             Angle::from_radians(body.f64()?),
         );
-        seen.cameras.push(Ptz {
-            pan,
-            tilt,
-            focal_px: body.f64()?,
-        });
+        seen.cameras.push(Ptz::new(pan, tilt, body.f64()?));
     }
     for _ in 0..body.count(LABEL_BYTES)? {
         let mut upper = [0.0; 6];

@@ -10,36 +10,16 @@ use image::RgbImage;
 use touchline_core::geometry::{ImageSize, PixelBox};
 
 /// The score and the clock, in a picture 1280 px wide, px.
-const SCORE_BUG_AT_1280: PixelBox = PixelBox {
-    x: 56.0,
-    y: 36.0,
-    width: 292.0,
-    height: 34.0,
-};
+const SCORE_BUG_AT_1280: PixelBox = PixelBox::new(56.0, 36.0, 292.0, 34.0);
 
 /// A band with a player's name and some numbers, in a picture 1280 px wide, px.
-const LOWER_THIRD_AT_1280: PixelBox = PixelBox {
-    x: 150.0,
-    y: 590.0,
-    width: 640.0,
-    height: 76.0,
-};
+const LOWER_THIRD_AT_1280: PixelBox = PixelBox::new(150.0, 590.0, 640.0, 76.0);
 
 /// A channel's logo, in a picture 1280 px wide, px.
-const WATERMARK_AT_1280: PixelBox = PixelBox {
-    x: 1064.0,
-    y: 44.0,
-    width: 160.0,
-    height: 52.0,
-};
+const WATERMARK_AT_1280: PixelBox = PixelBox::new(1064.0, 44.0, 160.0, 52.0);
 
 /// A band through which words run, in a picture 1280 px wide, px.
-const TICKER_AT_1280: PixelBox = PixelBox {
-    x: 90.0,
-    y: 622.0,
-    width: 860.0,
-    height: 46.0,
-};
+const TICKER_AT_1280: PixelBox = PixelBox::new(90.0, 622.0, 860.0, 46.0);
 
 /// How long it slides in and out, s, and how fast its words run, px in a picture 1280 px wide.
 const TICKER_SLIDES_S: f64 = 0.5;

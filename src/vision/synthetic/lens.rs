@@ -88,11 +88,11 @@ impl Exposure {
         let ends = [-0.5, 0.5].map(|share| {
             let dt = share * options.shutter_s;
             let (ptz, motion) = (camera.ptz(), options.motion);
-            let ptz = Ptz {
-                pan: ptz.pan + motion.pan_per_s * dt,
-                tilt: ptz.tilt + motion.tilt_per_s * dt,
-                focal_px: ptz.focal_px * (1.0 + motion.zoom_per_s * dt),
-            };
+            let ptz = Ptz::new(
+                ptz.pan + motion.pan_per_s * dt,
+                ptz.tilt + motion.tilt_per_s * dt,
+                ptz.focal_px * (1.0 + motion.zoom_per_s * dt),
+            );
             let end = PtzCamera::new(*camera.base(), ptz);
             (
                 end,

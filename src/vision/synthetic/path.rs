@@ -119,11 +119,11 @@ impl Operator {
         let drop = Angle::from_radians((0.05 * self.half_height_px / focal_px).atan());
         let hand =
             |seed: u32| Angle::from_degrees(0.05 * smooth_walk(self.seed ^ seed, time_s / 0.9));
-        Ptz {
-            pan: aim.pan + hand(7),
-            tilt: aim.tilt + drop + hand(8),
-            focal_px: focal_px.clamp(short, long),
-        }
+        Ptz::new(
+            aim.pan + hand(7),
+            aim.tilt + drop + hand(8),
+            focal_px.clamp(short, long),
+        )
     }
 
     fn motion(&self, time_s: f64) -> CameraMotion {

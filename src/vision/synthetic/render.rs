@@ -4,7 +4,6 @@
 use super::lens::{Exposure, Pixel, still};
 use super::light::Light;
 use super::options::FrameOptions;
-use super::play::Side;
 use super::props::{Mover, Prop, movers};
 use super::ray::{Ray, RayCaster};
 use super::solid::Touch;
@@ -35,16 +34,6 @@ pub struct SeenMover {
     pub mover: Mover,
     /// What it covers, px.
     pub area: PixelBox,
-}
-
-impl SeenMover {
-    /// The side a person belongs to; none for the ball.
-    pub const fn side(&self) -> Option<Side> {
-        match self.mover {
-            Mover::Person(side) => Some(side),
-            Mover::Ball => None,
-        }
-    }
 }
 
 /// The side of the grid of samples in a pixel on an edge.
@@ -395,12 +384,12 @@ impl PlacedProp {
                 }
             }
         }
-        let area = PixelBox {
-            x: low[0] as f64,
-            y: low[1] as f64,
-            width: high[0].checked_sub(low[0])? as f64,
-            height: high[1].checked_sub(low[1])? as f64,
-        };
+        let area = PixelBox::new(
+            low[0] as f64,
+            low[1] as f64,
+            high[0].checked_sub(low[0])? as f64,
+            high[1].checked_sub(low[1])? as f64,
+        );
         Some(SeenMover { mover, area })
     }
 }

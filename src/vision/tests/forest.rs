@@ -304,15 +304,7 @@ fn options_shape_the_forest() {
             ..TrainOptions::default()
         },
     );
-    assert_eq!(
-        (
-            shallow.trees(),
-            shallow.leaves(),
-            shallow.mixed_leaves(0.01)
-        ),
-        (2, 16, 16),
-        "far rays share leaves"
-    );
+    assert_eq!((shallow.trees(), shallow.leaves()), (2, 16));
     let zero = TrainOptions {
         trees: 0,
         max_depth: 0,
@@ -355,7 +347,6 @@ fn the_published_forest_is_there() {
         (5, 5 * 1200, 5 * 1200),
         "a leaf for each sample"
     );
-    assert_eq!(forest.mixed_leaves(1e-6), 0);
     let mixing = train_on(
         &samples,
         &TrainOptions {
@@ -401,32 +392,7 @@ fn one_sample_and_many_equal_ones_are_a_leaf() {
         samples.add_frame([point]);
     }
     let forest = train_on(&samples, &TrainOptions::default());
-    assert_eq!(
-        (forest.leaves(), forest.means(), forest.mixed_leaves(1e-6)),
-        (3, 3, 0)
-    );
-}
-
-#[test]
-fn leaves_mix_places_alike_on_either_side_of_the_seam() {
-    let mixed = |centre_deg: f64| {
-        let mut rng = rng("leaves_mix_places_alike_on_either_side_of_the_seam");
-        let mut samples = Samples::new();
-        let turned = |ray: PanTilt| PanTilt {
-            pan: (ray.pan * 0.01 + Angle::from_degrees(centre_deg)).wrap(),
-            ..ray
-        };
-        samples.add_frame(
-            scene(600, &mut rng)
-                .into_iter()
-                .map(|(descriptor, ray)| (descriptor, turned(ray))),
-        );
-        let forest = train_on(&samples, &TrainOptions::default());
-        [1e-3, 1e-2, 0.1, 0.3, 1.0].map(|spread| forest.mixed_leaves(spread))
-    };
-    let (ahead, behind) = (mixed(0.0), mixed(180.0));
-    assert_eq!(ahead, behind);
-    assert!(ahead[1] > 0 && ahead[4] == 0, "{ahead:?}");
+    assert_eq!((forest.leaves(), forest.means()), (3, 3));
 }
 
 #[test]

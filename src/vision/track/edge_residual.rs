@@ -77,11 +77,7 @@ impl View {
     /// Pan, tilt and focal length, if the y axis of the common frame is the pan axis.
     pub fn ptz(&self) -> Ptz {
         let PanTilt { pan, tilt } = self.ray();
-        Ptz {
-            pan,
-            tilt,
-            focal_px: self.focal_px,
-        }
+        Ptz::new(pan, tilt, self.focal_px)
     }
 
     /// The axes about which a direction rotates with pan and with tilt, in the common frame.

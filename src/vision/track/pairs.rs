@@ -59,10 +59,10 @@ pub fn match_frames_pairwise(
             }
             let edge = match_pair(frames, &described, first, second);
             // Cancellation is checked at the start of every pair.
-            let _ = progress.report(Share {
-                done: done.fetch_add(1, Ordering::Relaxed) + 1,
-                of: pairs.len(),
-            });
+            let _ = progress.report(Share::new(
+                done.fetch_add(1, Ordering::Relaxed) + 1,
+                pairs.len(),
+            ));
             edge
         })
         .collect::<Result<_, _>>()?;

@@ -335,11 +335,11 @@ pub(super) fn offset(from: Ptz, to: Ptz) -> Vec3 {
 
 /// A camera moved by (pan rad, tilt rad, ln f).
 pub(super) fn apply_offset(ptz: Ptz, by: Vec3) -> Ptz {
-    Ptz {
-        pan: ptz.pan + Angle::from_radians(by.x),
-        tilt: ptz.tilt + Angle::from_radians(by.y),
-        focal_px: ptz.focal_px * by.z.exp(),
-    }
+    Ptz::new(
+        ptz.pan + Angle::from_radians(by.x),
+        ptz.tilt + Angle::from_radians(by.y),
+        ptz.focal_px * by.z.exp(),
+    )
 }
 
 /// Converts a covariance of (pan rad, tilt rad, focal length px) to (pan rad, tilt rad, ln f), to

@@ -44,14 +44,12 @@ pub enum EditAction {
     AssignToCamera {
         /// The frames.
         scope: Scope,
-        /// The camera.
         camera: CameraChoice,
     },
     /// Reject the shown frame, or its shot if the question was about that.
     RejectAs(RejectReason),
     /// Set the comment of the shown frame; an empty text removes it.
     SetComment(String),
-    /// Add a mask.
     AddMask {
         /// Whether it is for every frame of the camera, or for the shown frame only.
         of_camera: bool,
@@ -67,7 +65,6 @@ pub enum EditAction {
         /// The frames to cover.
         scope: MaskScope,
     },
-    /// Remove a mask.
     RemoveMask {
         /// The list that contains the mask.
         list: MaskList,

@@ -65,7 +65,6 @@ pub enum Action {
     OpenAny(Vec<PathBuf>),
     /// A document was read.
     Opened(Box<Opened>),
-    /// The disk reports.
     Disk(DiskReport),
     /// Ask again what to do with another program's version.
     AskOutside,
@@ -118,7 +117,6 @@ pub enum DiskReport {
     CameraLoaded(Box<Camera>),
     /// Every edit up to this revision is in the journal or the document.
     Saved {
-        /// The revision.
         revision: u64,
         /// The local time, "12:03:41".
         at: String,
@@ -141,7 +139,6 @@ pub enum DiskReport {
     OrphanRead {
         /// Their file.
         orphan: PathBuf,
-        /// The edits.
         edits: Box<OrphanEdits>,
     },
     /// Edits that were set aside were saved as a separate document.
@@ -236,13 +233,11 @@ pub enum PointerAction {
 /// A change of the user's settings.
 #[derive(Debug, PartialEq)]
 pub enum SettingsAction {
-    /// The style of the overlay.
     OverlayStyle(OverlayStyle),
     /// Dark or light.
     Theme(ThemeChoice),
     /// The colour of a sport's lines.
     LineColour(&'static Sport, [u8; 3]),
-    /// The loupe.
     Loupe(Loupe),
     /// The memory for decoded frames, MiB.
     PictureMemory(u32),
@@ -257,7 +252,6 @@ pub enum SettingsAction {
         /// The filmstrip's height.
         filmstrip: Option<f32>,
     },
-    /// Assign a key to a command.
     AssignKey(Command, Chord),
     /// Reset all keys to their defaults.
     ResetKeys,
@@ -302,7 +296,6 @@ pub enum ViewAction {
     ShowSpan(Option<[f64; 2]>),
     /// Read the field templates again that could not be read.
     ReadFailedTemplatesAgain,
-    /// Close the dialog.
     CloseDialog,
     /// Show another page of the guide.
     ShowGuidePage(GuidePage),

@@ -32,7 +32,6 @@ impl CommandKind {
 /// What must be there for a command to be available, beside conditions of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CommandNeeds {
-    /// Nothing.
     Nothing,
     /// An open document.
     Document,
@@ -317,7 +316,6 @@ impl Command {
         self.row().needs
     }
 
-    /// The default keys.
     pub const fn default_keys(self) -> &'static [&'static str] {
         self.row().keys
     }

@@ -14,7 +14,6 @@ use thiserror::Error;
 pub struct Chord {
     /// Control (Command on macOS).
     pub ctrl: bool,
-    /// Shift.
     pub shift: bool,
     /// Alt (Option on macOS).
     pub alt: bool,
@@ -28,7 +27,6 @@ pub enum ChordError {
     /// There are only modifiers.
     #[error("{0:?} is not a key; write for example \"Ctrl+Shift+Z\"")]
     NoKey(String),
-    /// An unknown modifier.
     #[error("{text:?}: {modifier:?} is not a modifier; there are Ctrl, Shift and Alt")]
     UnknownModifier {
         /// The whole text.

@@ -5,7 +5,6 @@ use crate::app::{Command, Keymap};
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Document, Frame, FrameId, FrameStatus};
 
-/// A step of the tour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TourStep {
     /// The user places and names a first point.

@@ -43,7 +43,6 @@ pub struct RefinedBase {
     evidence: ClipEvidence,
 }
 
-/// The progress of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefinementProgress {
     /// The clip is being tracked.
@@ -193,7 +192,6 @@ impl Operation for BaseRefinement {
 }
 
 impl BaseRefinement {
-    /// The frames of the clip.
     fn clip(&self) -> Option<ClipFrames> {
         clip_of_frame(self.document.at(&self.folder), self.frame)
     }

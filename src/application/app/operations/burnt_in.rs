@@ -47,12 +47,7 @@ impl Operation for BurntInSearch {
         let store = FeatureStore::on_disk(&WorkFolder::beside(&self.file));
         let (document, folder, options) =
             (&self.document, &*self.folder, FeatureOptions::default());
-        let pictures = FramePictures {
-            document,
-            folder,
-            options,
-            store: &store,
-        };
+        let pictures = FramePictures::new(document, folder, options, &store);
         Ok(find_burnt_in(
             &pictures,
             &mut *context.open_reader(),

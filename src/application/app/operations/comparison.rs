@@ -19,7 +19,6 @@ pub struct Comparison {
     pub document: Document,
     /// The folder to which its relative paths refer.
     pub folder: PathBuf,
-    /// Its revision.
     pub revision: u64,
     /// The file of the other document.
     pub with: PathBuf,

@@ -116,7 +116,6 @@ pub struct UnderWay {
     pub step: String,
     /// The share of the present step that is done, 0 to 1; none if it is unknown.
     pub share: Option<f32>,
-    /// The command that stops it.
     pub stop: Command,
 }
 

@@ -14,7 +14,6 @@ use touchline_vision::media::list_images;
 /// Labels never lie in a file larger than this, bytes; videos do.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Sorts paths.
 pub struct PathSorting {
     paths: Vec<PathBuf>,
 }
@@ -24,11 +23,9 @@ pub struct PathSorting {
 pub struct ForeignLabels {
     /// Their file or folder.
     pub path: PathBuf,
-    /// Their format.
     pub format: Format,
 }
 
-/// Paths, sorted.
 #[derive(Debug, Default)]
 pub struct SortedPaths {
     /// What is opened.

@@ -105,7 +105,6 @@ impl CameraText {
     }
 }
 
-/// The rows of a matrix.
 fn rows(matrix: &Mat3) -> Value {
     matrix
         .row_iter()

@@ -10,7 +10,6 @@ use touchline_core::solve::{ClickResidual, FrameSolution, Judgement};
 /// The shown frame's values with either the current base or an estimated one.
 #[derive(Clone, Debug)]
 pub struct DisplayedValues<'a> {
-    /// The base.
     pub base: Option<CameraBase>,
     /// The frame's camera.
     pub camera: Option<PtzCamera>,

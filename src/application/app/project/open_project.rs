@@ -119,7 +119,6 @@ impl OpenProject {
         self.document.at(&self.folder)
     }
 
-    /// The frame at an index.
     pub fn frame(&self, index: usize) -> Option<&Frame> {
         self.document.frames.get(index).map(|frame| &**frame)
     }

@@ -63,7 +63,6 @@ impl Opened {
         }
     }
 
-    /// The document.
     pub const fn document(&self) -> &Document {
         self.prepared.document()
     }

@@ -64,7 +64,6 @@ pub struct Spread {
     pub median_px: f64,
     /// 90 % quantile, px at 1920 px width.
     pub most_px: f64,
-    /// The histogram.
     pub histogram: Histogram,
 }
 

@@ -24,7 +24,6 @@ use touchline_documents::document::{CameraId, Document, FrameStatus};
 /// The values on the quality page for one camera: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Quality {
-    /// The camera.
     pub camera: Option<CameraId>,
     /// Pan, tilt and focal length over time.
     pub course: Course,
@@ -112,7 +111,6 @@ impl Quality {
 pub struct CoverageComparison {
     /// Coverage of the references, and of the field.
     pub references: Coverage,
-    /// Coverage of the suggestions.
     pub suggestions: Coverage,
 }
 

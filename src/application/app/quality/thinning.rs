@@ -16,7 +16,6 @@ pub enum SpanMarks<'a> {
 pub struct Column {
     /// The index of the column.
     pub column: usize,
-    /// The kind.
     pub kind: PointKind,
     /// The smallest value.
     pub low: f64,

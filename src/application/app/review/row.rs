@@ -42,7 +42,7 @@ impl ReviewRow {
     pub(super) fn new(place: usize, frame: &Frame, disagreement: Option<Disagreement>) -> Self {
         Self {
             frame: place,
-            confidence: confidence(frame),
+            confidence: frame.confidence(),
             disagreement,
             paint: frame.paint_verdict(),
             shift_by_mending_px: frame.shift_by_mending_px(),
@@ -67,14 +67,6 @@ impl ReviewRow {
     pub fn apart_px(&self) -> Option<f64> {
         self.disagreement.map(|found| found.apart_px)
     }
-}
-
-/// The stated probability that a frame's suggestion is right.
-fn confidence(frame: &Frame) -> Option<f64> {
-    frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.confidence)
 }
 
 /// Orders by confidence, least first; rows without a confidence come first.

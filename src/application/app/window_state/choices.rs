@@ -29,7 +29,6 @@ impl Scope {
     /// All scopes, smallest first.
     pub const ALL: [Self; 4] = [Self::Frame, Self::Selected, Self::Shot, Self::Onwards];
 
-    /// The label.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Frame => "This frame",
@@ -88,7 +87,6 @@ impl MaskScope {
         Self::Frame,
     ];
 
-    /// The label.
     pub const fn label(self) -> &'static str {
         match self {
             Self::All => "Every frame",
@@ -165,7 +163,6 @@ impl Filter {
         }
     }
 
-    /// The label.
     pub const fn label(self) -> &'static str {
         match self {
             Self::All => "All frames",
@@ -183,7 +180,6 @@ pub const fn is_to_do(frame: &Frame) -> bool {
     !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)
 }
 
-/// The label of a status.
 pub const fn status_label(status: FrameStatus) -> &'static str {
     match status {
         FrameStatus::New => "New",

@@ -49,7 +49,6 @@ const BEST_SCORE: f64 = 0.33;
 pub struct NameCandidate {
     /// The landmark or line.
     pub target: Target,
-    /// Its label.
     pub label: String,
     /// Its short code, for typing.
     pub code: String,
@@ -68,7 +67,6 @@ pub struct NameCandidate {
 
 /// The context of a click that needs a name.
 pub struct NamingScene<'a> {
-    /// The field.
     pub field: &'a FieldModel,
     /// The frame's size.
     pub image_size: ImageSize,

@@ -10,7 +10,6 @@ use touchline_documents::document::{Document, FrameStatus};
 pub struct ReclickTarget {
     /// The index of the frame.
     pub frame: usize,
-    /// The landmark.
     pub landmark: LandmarkId,
 }
 

@@ -284,7 +284,6 @@ pub enum Dialog {
     Preferences,
     /// The user guide.
     Guide {
-        /// The page.
         page: GuidePage,
         /// The dialog from which it was opened, and to which closing it returns.
         behind: Option<Box<Self>>,
@@ -297,7 +296,6 @@ pub enum Dialog {
     AcceptAll,
     /// Question whether to discard a large batch of suggestions.
     DiscardBatch {
-        /// The batch.
         batch: BatchId,
         /// The number of frames that show it.
         frames: usize,

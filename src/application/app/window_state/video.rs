@@ -5,7 +5,6 @@
 pub struct VideoState {
     /// Whether the video is playing.
     pub playing: bool,
-    /// The speed.
     pub speed: PlaySpeed,
     /// The first and the last of the frames that were played without a jump between them, up to
     /// now or to the last pause.

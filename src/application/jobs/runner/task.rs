@@ -179,8 +179,8 @@ pub(super) fn camera_with_base(path: &Path) -> Result<Camera, JobError> {
         })
 }
 
-#[cfg(test)]
 #[cfg(target_os = "linux")]
+#[cfg(test)]
 mod tests {
     use super::*;
     use std::ffi::OsStr;

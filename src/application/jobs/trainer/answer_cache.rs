@@ -76,10 +76,7 @@ impl AnswerCache {
         for frame in &document.frames {
             // Proposals that the document already had when it was opened count as answers of
             // generation 0.
-            let confidence = frame
-                .solution
-                .as_ref()
-                .and_then(|solution| solution.confidence);
+            let confidence = frame.confidence();
             if is_by_forest(frame)
                 && frame.ptz.is_some()
                 && frame.is_open()

@@ -175,12 +175,8 @@ impl Backend for ForestBackend {
         training_set: &TrainingSet,
         progress: &Progress<'_, TrainerActivity>,
     ) -> Result<Option<TrainedModel>, TrainerError> {
-        let pictures = FramePictures {
-            document,
-            folder: &self.folder,
-            options: self.options.features,
-            store: &self.store,
-        };
+        let pictures =
+            FramePictures::new(document, &self.folder, self.options.features, &self.store);
         let learning = progress.part(doing_of);
         let learnt = learn_forest(
             &pictures,
@@ -223,12 +219,7 @@ impl Backend for ForestBackend {
         snapping: bool,
         progress: &Progress<'_, usize>,
     ) -> Vec<Proposal> {
-        let pictures = FramePictures {
-            document,
-            folder: &self.folder,
-            options: model.features,
-            store: &self.store,
-        };
+        let pictures = FramePictures::new(document, &self.folder, model.features, &self.store);
         let forest = ForestRequest {
             model,
             generation,
@@ -321,12 +312,8 @@ impl Backend for ForestBackend {
         training_frames: &[usize],
         progress: &Progress<'_, TrainerActivity>,
     ) -> Option<ForestAccuracy> {
-        let pictures = FramePictures {
-            document,
-            folder: &self.folder,
-            options: self.options.features,
-            store: &self.store,
-        };
+        let pictures =
+            FramePictures::new(document, &self.folder, self.options.features, &self.store);
         let measuring = progress.part(TrainerActivity::Measuring);
         let looking = progress.part(|()| TrainerActivity::Measuring(Share::default()));
         let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &looking)?;
@@ -351,12 +338,7 @@ impl Backend for ForestBackend {
         frame: usize,
         model: &ForestModel,
     ) -> Option<UsedFeatures> {
-        let pictures = FramePictures {
-            document,
-            folder: &self.folder,
-            options: model.features,
-            store: &self.store,
-        };
+        let pictures = FramePictures::new(document, &self.folder, model.features, &self.store);
         let used = pictures.each(&mut self.reader, &[frame], |index, _, found| {
             let used = found.ok().map(|found| {
                 UsedFeatures::from_query(document, index, &found, model, &self.relocalizing)
@@ -380,10 +362,7 @@ fn doing_of(progress: LearningProgress) -> TrainerActivity {
     match progress {
         LearningProgress::Features { done, of } => TrainerActivity::Features(Share { done, of }),
         LearningProgress::Training(TrainProgress { placed, total }) => {
-            TrainerActivity::Training(Share {
-                done: placed,
-                of: total,
-            })
+            TrainerActivity::Training(Share::new(placed, total))
         }
     }
 }

@@ -121,10 +121,12 @@ fn interpolate_rotations(
         .ptz
         .iter()
         .zip(&to.ptz)
-        .map(|(from, to)| Ptz {
-            pan: from.pan + (to.pan - from.pan).wrap() * share,
-            tilt: from.tilt + (to.tilt - from.tilt) * share,
-            focal_px: interpolate(from.focal_px.ln(), to.focal_px.ln(), share).exp(),
+        .map(|(from, to)| {
+            Ptz::new(
+                from.pan + (to.pan - from.pan).wrap() * share,
+                from.tilt + (to.tilt - from.tilt) * share,
+                interpolate(from.focal_px.ln(), to.focal_px.ln(), share).exp(),
+            )
         })
         .collect();
     let lens = FocalCurve {

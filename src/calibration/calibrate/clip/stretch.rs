@@ -21,7 +21,7 @@ fn is_reliable(frame: &Frame) -> bool {
         return false;
     }
     let verdict = frame.paint_verdict();
-    let is_certain = frame.solution.as_ref().and_then(|known| known.confidence) >= Some(CERTAIN);
+    let is_certain = frame.confidence() >= Some(CERTAIN);
     match frame.status {
         FrameStatus::Reference => true,
         FrameStatus::Suggested => {

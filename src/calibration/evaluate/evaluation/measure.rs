@@ -44,78 +44,66 @@ pub enum Measure {
     Sigmas,
 }
 
+/// Every measure with its key in files and its label for readers, both with the unit, in the order
+/// of tables and of the type.
+const MEASURES: [(Measure, &str, &str); 19] = [
+    (Measure::IouPart, "iou_part", "IoU_part"),
+    (Measure::IouSegments, "iou_segments", "IoU_segments"),
+    (Measure::IouWhole, "iou_whole", "IoU_whole"),
+    (Measure::Rotation, "rotation_deg", "rotation error (°)"),
+    (Measure::Pan, "pan_deg", "pan error (°)"),
+    (Measure::Tilt, "tilt_deg", "tilt error (°)"),
+    (Measure::Focal, "focal_px", "focal error (px)"),
+    (Measure::FocalPercent, "focal_percent", "focal error (%)"),
+    (Measure::Position, "position_m", "position error (m)"),
+    (Measure::Landmarks, "landmarks_px", "landmarks, mean (px)"),
+    (
+        Measure::WorstLandmark,
+        "worst_landmark_px",
+        "landmarks, worst (px)",
+    ),
+    (
+        Measure::LandmarksOnGround,
+        "landmarks_m",
+        "landmarks, mean (m)",
+    ),
+    (Measure::Clicks, "clicks_px", "clicks used (px)"),
+    (
+        Measure::HeldOutClicks,
+        "held_out_px",
+        "clicks held out (px)",
+    ),
+    (
+        Measure::HeldOutOnGround,
+        "held_out_m",
+        "clicks held out (m)",
+    ),
+    (Measure::Jaccard5, "jac_5", "JaC@5"),
+    (Measure::Jaccard10, "jac_10", "JaC@10"),
+    (Measure::Jaccard20, "jac_20", "JaC@20"),
+    (Measure::Sigmas, "error_over_sigma", "error in stated σ"),
+];
+
 impl Measure {
     /// All measures, in the order of tables.
-    pub const ALL: [Self; 19] = [
-        Self::IouPart,
-        Self::IouSegments,
-        Self::IouWhole,
-        Self::Rotation,
-        Self::Pan,
-        Self::Tilt,
-        Self::Focal,
-        Self::FocalPercent,
-        Self::Position,
-        Self::Landmarks,
-        Self::WorstLandmark,
-        Self::LandmarksOnGround,
-        Self::Clicks,
-        Self::HeldOutClicks,
-        Self::HeldOutOnGround,
-        Self::Jaccard5,
-        Self::Jaccard10,
-        Self::Jaccard20,
-        Self::Sigmas,
-    ];
+    pub const ALL: [Self; 19] = {
+        let mut all = [Self::IouPart; 19];
+        let mut at = 0;
+        while at < all.len() {
+            all[at] = MEASURES[at].0;
+            at += 1;
+        }
+        all
+    };
 
     /// Its key in files, including the unit.
     pub const fn key(self) -> &'static str {
-        match self {
-            Self::IouPart => "iou_part",
-            Self::IouSegments => "iou_segments",
-            Self::IouWhole => "iou_whole",
-            Self::Rotation => "rotation_deg",
-            Self::Pan => "pan_deg",
-            Self::Tilt => "tilt_deg",
-            Self::Focal => "focal_px",
-            Self::FocalPercent => "focal_percent",
-            Self::Position => "position_m",
-            Self::Landmarks => "landmarks_px",
-            Self::WorstLandmark => "worst_landmark_px",
-            Self::LandmarksOnGround => "landmarks_m",
-            Self::Clicks => "clicks_px",
-            Self::HeldOutClicks => "held_out_px",
-            Self::HeldOutOnGround => "held_out_m",
-            Self::Jaccard5 => "jac_5",
-            Self::Jaccard10 => "jac_10",
-            Self::Jaccard20 => "jac_20",
-            Self::Sigmas => "error_over_sigma",
-        }
+        MEASURES[self as usize].1
     }
 
     /// Its label for readers, including the unit.
     pub const fn label(self) -> &'static str {
-        match self {
-            Self::IouPart => "IoU_part",
-            Self::IouSegments => "IoU_segments",
-            Self::IouWhole => "IoU_whole",
-            Self::Rotation => "rotation error (°)",
-            Self::Pan => "pan error (°)",
-            Self::Tilt => "tilt error (°)",
-            Self::Focal => "focal error (px)",
-            Self::FocalPercent => "focal error (%)",
-            Self::Position => "position error (m)",
-            Self::Landmarks => "landmarks, mean (px)",
-            Self::WorstLandmark => "landmarks, worst (px)",
-            Self::LandmarksOnGround => "landmarks, mean (m)",
-            Self::Clicks => "clicks used (px)",
-            Self::HeldOutClicks => "clicks held out (px)",
-            Self::HeldOutOnGround => "clicks held out (m)",
-            Self::Jaccard5 => "JaC@5",
-            Self::Jaccard10 => "JaC@10",
-            Self::Jaccard20 => "JaC@20",
-            Self::Sigmas => "error in stated σ",
-        }
+        MEASURES[self as usize].2
     }
 
     /// Whether larger values are better; false for errors.

@@ -247,10 +247,7 @@ impl Proposal {
     pub fn may_replace_camera_of(&self, frame: &Frame) -> bool {
         // A camera without a stated confidence has nothing to compare with, and gives way to any
         // answer.
-        let earlier = frame
-            .solution
-            .as_ref()
-            .and_then(|solution| solution.confidence);
+        let earlier = frame.confidence();
         let is_more_certain = self
             .outcome
             .as_ref()

@@ -24,6 +24,23 @@ pub struct FramePictures<'a> {
     pub store: &'a FeatureStore,
 }
 
+impl<'a> FramePictures<'a> {
+    /// The pictures of a document whose relative paths refer to `folder`.
+    pub const fn new(
+        document: &'a Document,
+        folder: &'a Path,
+        options: FeatureOptions,
+        store: &'a FeatureStore,
+    ) -> Self {
+        Self {
+            document,
+            folder,
+            options,
+            store,
+        }
+    }
+}
+
 /// The resolution at which a frame's features are extracted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {

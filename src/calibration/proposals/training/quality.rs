@@ -199,10 +199,7 @@ pub fn measure(
     let groups = spread(groups, MOST_GROUPS);
     let mut tested = Vec::new();
     for (done, group) in groups.iter().enumerate() {
-        let so_far = Share {
-            done,
-            of: groups.len(),
-        };
+        let so_far = Share::new(done, groups.len());
         progress.report(so_far).continue_value()?;
         // Train without the group. A group that leaves no samples is skipped.
         let forest = match train_without(

@@ -93,11 +93,7 @@ pub fn pan_tilt_from_one_point(
     let lens = PtzCamera::new(*base, Ptz::from_degrees(0.0, 0.0, focal_px));
     let ideal = lens.cam_plane_from_image(image)?;
     let (pan, tilt) = pan_tilt_from_one_ray(base.base_from_world_point(point_in_world), ideal)?;
-    Ok(Ptz {
-        pan,
-        tilt,
-        focal_px,
-    })
+    Ok(Ptz::new(pan, tilt, focal_px))
 }
 
 #[cfg(test)]

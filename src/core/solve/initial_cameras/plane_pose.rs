@@ -62,11 +62,7 @@ impl PlanePose {
             cam_from_base.transpose() * self.cam_from_world,
             principal_point,
         );
-        let ptz = Ptz {
-            pan: looks.heading,
-            tilt: looks.pitch,
-            focal_px: self.focal_px,
-        };
+        let ptz = Ptz::new(looks.heading, looks.pitch, self.focal_px);
         PtzCamera::new(base, ptz)
     }
 

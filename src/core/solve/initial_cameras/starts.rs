@@ -277,11 +277,7 @@ fn grid_starts(
         let step_deg = quarter_view_deg.max(4.0);
         for pan in evenly_spaced(pans.start(), pans.end(), step_deg) {
             for tilt in evenly_spaced(*tilts.start(), *tilts.end(), step_deg / 2.0) {
-                let ptz = Ptz {
-                    pan,
-                    tilt,
-                    focal_px,
-                };
+                let ptz = Ptz::new(pan, tilt, focal_px);
                 let camera = PtzCamera::new(*base, ptz);
                 // A cell that does not show every line is dropped.
                 let distances_px = observations

@@ -92,6 +92,11 @@ impl Frame {
         self.solution.as_ref()?.source
     }
 
+    /// The probability that its camera is right, where the solution states one.
+    pub fn confidence(&self) -> Option<f64> {
+        self.solution.as_ref()?.confidence
+    }
+
     /// Whether its camera was proposed by the program rather than clicked, aligned to paint by the
     /// user, imported or set manually.
     pub fn is_suggestion(&self) -> bool {

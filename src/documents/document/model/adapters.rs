@@ -19,8 +19,10 @@ use touchline_core::camera::BaseCorrelation;
 use touchline_core::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec2, Vec3};
 
-fn finite<S: Serializer>(numbers: &[f64]) -> Result<(), S::Error> {
-    match numbers.iter().find(|x| !x.is_finite()) {
+fn refuse_infinite<'a, S: Serializer>(
+    numbers: impl IntoIterator<Item = &'a f64>,
+) -> Result<(), S::Error> {
+    match numbers.into_iter().find(|x| !x.is_finite()) {
         Some(bad) => Err(S::Error::custom(format!(
             "{bad} cannot be written: JSON holds only finite numbers"
         ))),
@@ -46,76 +48,61 @@ pub(in crate::document) mod name {
     }
 }
 
-/// A plain number.
-pub(in crate::document) mod number {
-    use super::*;
+/// A number, several or none.
+pub(in crate::document) trait Numbers: Serialize {
+    fn numbers(&self) -> impl Iterator<Item = &f64>;
+}
 
-    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        finite::<S>(&[*value])?;
-        value.serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-        f64::deserialize(deserializer)
+impl Numbers for f64 {
+    fn numbers(&self) -> impl Iterator<Item = &f64> {
+        std::iter::once(self)
     }
 }
 
-/// A number that may be absent.
-pub(super) mod optional_number {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-        finite::<S>(value.as_slice())?;
-        value.serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Option<f64>, D::Error> {
-        Option::deserialize(deserializer)
+impl<T: Numbers> Numbers for Option<T> {
+    fn numbers(&self) -> impl Iterator<Item = &f64> {
+        self.iter().flat_map(T::numbers)
     }
 }
 
-/// A list of numbers.
-pub(super) mod numbers {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
-        finite::<S>(values)?;
-        values.serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
-        Vec::deserialize(deserializer)
+impl Numbers for ImagePoint {
+    fn numbers(&self) -> impl Iterator<Item = &f64> {
+        [&self.x, &self.y].into_iter()
     }
 }
 
-/// Numbers by name.
-pub(super) mod numbers_by_name {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(
-        values: &BTreeMap<String, f64>,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        for value in values.values() {
-            finite::<S>(&[*value])?;
-        }
-        values.serialize(serializer)
+impl Numbers for Vec<f64> {
+    fn numbers(&self) -> impl Iterator<Item = &f64> {
+        self.iter()
     }
+}
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<BTreeMap<String, f64>, D::Error> {
-        BTreeMap::deserialize(deserializer)
+impl Numbers for [f64; 2] {
+    fn numbers(&self) -> impl Iterator<Item = &f64> {
+        self.iter()
     }
+}
+
+impl Numbers for BTreeMap<String, f64> {
+    fn numbers(&self) -> impl Iterator<Item = &f64> {
+        self.values()
+    }
+}
+
+/// Writes numbers as they are, if they are finite.
+pub(in crate::document) fn finite<S: Serializer>(
+    value: &impl Numbers,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    refuse_infinite::<S>(value.numbers())?;
+    value.serialize(serializer)
 }
 
 /// Degrees, wrapped into (−180, 180] when they are read.
 pub(in crate::document) mod degrees {
     use super::*;
 
-    pub use super::number::serialize;
+    pub(in crate::document) use super::finite as serialize;
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
         let degrees = f64::deserialize(deserializer)?;
@@ -139,7 +126,7 @@ pub(in crate::document) mod positive {
 
     pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
         let value = refuse_others(*value).map_err(S::Error::custom)?;
-        super::number::serialize(&value, serializer)
+        finite(&value, serializer)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
@@ -147,7 +134,7 @@ pub(in crate::document) mod positive {
     }
 
     pub(super) fn refuse_others(value: f64) -> Result<f64, String> {
-        // NaN passes here: of numbers that JSON lacks, `number` says so.
+        // NaN passes here: of numbers that JSON lacks, `finite` says so.
         if value <= 0.0 {
             Err(format!("must be positive, not {value}"))
         } else {
@@ -160,7 +147,7 @@ pub(in crate::document) mod positive {
 pub(super) mod optional_positive {
     use super::*;
 
-    pub use super::optional_number::serialize;
+    pub(in crate::document) use super::finite as serialize;
 
     pub fn deserialize<'de, D: Deserializer<'de>>(
         deserializer: D,
@@ -170,55 +157,6 @@ pub(super) mod optional_positive {
             .map(super::positive::refuse_others)
             .transpose()
             .map_err(D::Error::custom)
-    }
-}
-
-/// `[x, y]`, which may be absent.
-pub(super) mod optional_image_point {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(
-        point: &Option<ImagePoint>,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        let numbers = point.map(<[f64; 2]>::from);
-        finite::<S>(numbers.as_slice().as_flattened())?;
-        numbers.serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Option<ImagePoint>, D::Error> {
-        Ok(Option::<[f64; 2]>::deserialize(deserializer)?.map(ImagePoint::from))
-    }
-}
-
-/// `[x, y]`.
-pub(super) mod image_point {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(point: &ImagePoint, serializer: S) -> Result<S::Ok, S::Error> {
-        let numbers = <[f64; 2]>::from(*point);
-        finite::<S>(&numbers)?;
-        numbers.serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ImagePoint, D::Error> {
-        <[f64; 2]>::deserialize(deserializer).map(ImagePoint::from)
-    }
-}
-
-/// Two numbers, such as the ends of an interval.
-pub(in crate::document) mod pair {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(pair: &[f64; 2], serializer: S) -> Result<S::Ok, S::Error> {
-        finite::<S>(pair)?;
-        pair.serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
-        <[f64; 2]>::deserialize(deserializer)
     }
 }
 
@@ -274,18 +212,13 @@ pub(super) mod pixel_box {
 
     /// A box of its four numbers.
     pub(super) fn from_sides([x, y, width, height]: [f64; 4]) -> PixelBox {
-        PixelBox {
-            x,
-            y,
-            width,
-            height,
-        }
+        PixelBox::new(x, y, width, height)
     }
 
     /// The four numbers of a box that are written.
     pub(super) fn sides<S: Serializer>(pixel_box: &PixelBox) -> Result<[Side; 4], S::Error> {
         let numbers = [pixel_box.x, pixel_box.y, pixel_box.width, pixel_box.height];
-        finite::<S>(&numbers)?;
+        refuse_infinite::<S>(&numbers)?;
         Ok(numbers.map(side))
     }
 
@@ -329,7 +262,7 @@ pub(super) mod vector {
     use super::*;
 
     pub fn serialize<S: Serializer>(vector: &Vec3, serializer: S) -> Result<S::Ok, S::Error> {
-        finite::<S>(vector.as_slice())?;
+        refuse_infinite::<S>(vector.as_slice())?;
         [vector.x, vector.y, vector.z].serialize(serializer)
     }
 
@@ -365,7 +298,7 @@ pub(super) mod optional_pair {
 
     pub fn serialize<S: Serializer>(pair: &Option<Vec2>, serializer: S) -> Result<S::Ok, S::Error> {
         pair.iter()
-            .try_for_each(|pair| finite::<S>(pair.as_slice()))?;
+            .try_for_each(|pair| refuse_infinite::<S>(pair.as_slice()))?;
         pair.map(|pair| [pair.x, pair.y]).serialize(serializer)
     }
 
@@ -393,7 +326,7 @@ pub(super) mod optional_matrix {
         serializer: S,
     ) -> Result<S::Ok, S::Error> {
         if let Some(matrix) = value {
-            finite::<S>(matrix.as_slice())?;
+            refuse_infinite::<S>(matrix.as_slice())?;
         }
         value.as_ref().map(rows).serialize(serializer)
     }
@@ -415,7 +348,7 @@ pub(super) mod optional_correlation {
     ) -> Result<S::Ok, S::Error> {
         let rows = value.as_ref().map(BaseCorrelation::rows);
         for row in rows.iter().flatten() {
-            finite::<S>(row)?;
+            refuse_infinite::<S>(row)?;
         }
         rows.serialize(serializer)
     }

@@ -1,6 +1,6 @@
 //! A camera of the document.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use super::size_sigma::SizeSigma;
 use crate::document::{CameraId, Extra, FieldSpec, Frame, RangedMask};
 use serde::{Deserialize, Serialize};
@@ -30,7 +30,7 @@ pub struct Camera {
     pub image_size: ImageSize,
     /// The principal point, px.
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
-    #[serde(rename = "principal_point_px", with = "adapters::image_point")]
+    #[serde(rename = "principal_point_px", serialize_with = "finite")]
     pub principal_point: ImagePoint,
     /// The centre of projection in `world`, m.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
@@ -68,20 +68,10 @@ pub struct Camera {
     #[serde(rename = "masks", default, skip_serializing_if = "Vec::is_empty")]
     pub ranged_masks: Vec<RangedMask>,
     /// 1-σ of a click in its pictures, px, where it is known.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub click_noise_px: Option<f64>,
     /// The width of its sensor, mm, where it is known.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub sensor_width_mm: Option<f64>,
     /// The stage of a virtual production in whose axes its tracks are written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -104,8 +94,7 @@ pub struct Stage {
     pub origin_m: Vec3,
     /// Where its y axis looks, seen from above: 0 is across the field, positive to the right,
     /// degrees.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number")]
+    #[serde(default, serialize_with = "finite")]
     pub heading_deg: f64,
     /// Unknown keys.
     #[serde(flatten)]
@@ -132,12 +121,7 @@ pub struct Distortion {
     pub k1: Option<K1Curve>,
     /// k₂ = this · k₁², at every focal length; absent: k₂ is zero. From 0.45 on the lens folds
     /// nowhere.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub k2_per_k1_squared: Option<f64>,
     /// Unknown keys, further coefficients among them.
     #[serde(flatten)]
@@ -149,16 +133,13 @@ pub struct Distortion {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct K1Curve {
     /// The focal length at which `value` holds, px.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number")]
+    #[serde(default, serialize_with = "finite")]
     pub at_focal_px: f64,
     /// k₁ there.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(with = "adapters::number")]
+    #[serde(serialize_with = "finite")]
     pub value: f64,
     /// The change of k₁ per 1000 px of focal length.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number")]
+    #[serde(default, serialize_with = "finite")]
     pub per_1000_px: f64,
     /// Unknown keys.
     #[serde(flatten)]
@@ -178,20 +159,16 @@ pub struct CameraSigma {
     #[serde(default, with = "adapters::vector")]
     pub rotation_deg: Vec3,
     /// Of k₁ at `at_focal_px` of the lens.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number", skip_serializing_if = "is_zero")]
+    #[serde(default, serialize_with = "finite", skip_serializing_if = "is_zero")]
     pub k1: f64,
     /// Of the change of k₁ per 1000 px of focal length.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number", skip_serializing_if = "is_zero")]
+    #[serde(default, serialize_with = "finite", skip_serializing_if = "is_zero")]
     pub k1_per_1000_px: f64,
     /// Of the height of the pitch's crown, m.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number", skip_serializing_if = "is_zero")]
+    #[serde(default, serialize_with = "finite", skip_serializing_if = "is_zero")]
     pub crown_m: f64,
     /// The width of the pitch that is crowned, m.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number", skip_serializing_if = "is_zero")]
+    #[serde(default, serialize_with = "finite", skip_serializing_if = "is_zero")]
     pub crown_width_m: f64,
     /// Of the principal point, px.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]

@@ -1,6 +1,6 @@
 //! A click: a point of the picture and its name.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use crate::document::{ClickOrigin, Extra};
 use serde::{Deserialize, Serialize};
 use touchline_core::field::{FieldElement, FieldModel, LandmarkId, LineId};
@@ -155,16 +155,11 @@ struct ClickJson {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     line: Option<String>,
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
-    #[serde(with = "adapters::image_point")]
+    #[serde(serialize_with = "finite")]
     image_px: ImagePoint,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     check: bool,
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     snapped_sigma_px: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     origin: Option<Box<ClickOrigin>>,

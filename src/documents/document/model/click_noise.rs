@@ -1,6 +1,6 @@
 //! The annotator's own click noise as a document stores it, and its effect on the clicks' sigmas.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -21,12 +21,11 @@ pub struct ClickNoise {
     #[serde(rename = "hand_factor", with = "adapters::positive")]
     pub factor: f64,
     /// The same for single landmarks.
-    #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, f64>"))]
     #[serde(
         rename = "hand_factor_by_landmark",
         default,
         skip_serializing_if = "BTreeMap::is_empty",
-        with = "adapters::numbers_by_name"
+        serialize_with = "finite"
     )]
     pub factor_by_landmark: BTreeMap<String, f64>,
     /// 1-σ of a click in each direction, px at 1920 px width, for people.
@@ -34,8 +33,7 @@ pub struct ClickNoise {
     #[serde(with = "adapters::positive")]
     pub sigma_px: f64,
     /// Its 95 % interval, px.
-    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
-    #[serde(with = "adapters::pair")]
+    #[serde(serialize_with = "finite")]
     pub sigma_interval_95_px: [f64; 2],
     /// How many repeats it rests on.
     pub repeats: usize,

@@ -1,6 +1,6 @@
 //! Where a click comes from that no person placed: a point of another program's model.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 use touchline_core::geometry::ImagePoint;
@@ -21,12 +21,7 @@ pub struct ClickOrigin {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub label: Option<String>,
     /// The probability that the model states.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub probability: Option<f64>,
     /// 1-σ of the point in each direction, px of the frame; none: as for a person's click.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
@@ -40,8 +35,7 @@ pub struct ClickOrigin {
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
     #[serde(
         rename = "given_px",
-        default,
-        with = "adapters::optional_image_point",
+        serialize_with = "finite",
         skip_serializing_if = "Option::is_none"
     )]
     pub given: Option<ImagePoint>,

@@ -1,7 +1,7 @@
 //! Which field a document is of, and where its size comes from: venues differ within what the rules
 //! allow, and a wrong size looks like a wrong camera.
 
-use super::adapters;
+use super::adapters::finite;
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -24,8 +24,7 @@ pub struct FieldSpec {
     pub template: String,
     /// Its parameters by name, such as `length_m` and `crown_m`; absent ones take the template's
     /// defaults.
-    #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, f64>"))]
-    #[serde(default, with = "adapters::numbers_by_name")]
+    #[serde(default, serialize_with = "finite")]
     pub params: BTreeMap<String, f64>,
     /// Where its size comes from: `assumed` (also where it is absent), `confirmed`, `fitted`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

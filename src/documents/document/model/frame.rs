@@ -1,6 +1,6 @@
 //! A frame of the document: where its picture is, its clicks, its solution.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use crate::document::{CameraId, Click, Extra, FrameId, FrameLens, FramePtz, Repeat, Solution};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -125,12 +125,7 @@ pub struct VideoFrame {
     /// The decoded frame, counted from 0.
     pub frame_index: u64,
     /// Its time from the stream's start, s.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub pts_s: Option<f64>,
     /// What the file is recognised by, where that is known: the first 32 hexadecimal digits of the
     /// SHA-256 of its size (eight bytes, big-endian), its first MB and its last MB.
@@ -245,12 +240,7 @@ pub struct Edited {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<String>,
     /// How long it was worked on altogether, s.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
     /// The program that did it.
     #[serde(default, skip_serializing_if = "Option::is_none")]

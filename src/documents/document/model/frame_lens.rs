@@ -1,6 +1,6 @@
 //! What is known of the lens of one frame before the frame is solved.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{BaseSigma, CameraBase, FocalCurve, Radial, StatedLens, StatedRadial};
@@ -20,23 +20,13 @@ pub struct FrameLens {
     pub focal_px: f64,
     /// The principal point, px.
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
-    #[serde(rename = "principal_point_px", with = "adapters::image_point")]
+    #[serde(rename = "principal_point_px", serialize_with = "finite")]
     pub principal_point: ImagePoint,
     /// k₁ at this focal length; absent: no distortion.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub k1: Option<f64>,
     /// k₂ at this focal length; absent: zero. It counts only beside a k₁ that is not zero.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub k2: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]

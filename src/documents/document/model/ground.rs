@@ -1,6 +1,6 @@
 //! What a frame's camera is good for on the ground, as exports state it.
 
-use super::adapters;
+use super::adapters::finite;
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 
@@ -14,12 +14,7 @@ pub struct Ground {
     pub grade: GroundGrade,
     /// 1-σ of a place on the field in the picture's middle third, the largest there, m; absent
     /// where the camera states no uncertainty, or no field is there.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub sigma_m: Option<f64>,
     /// The part of the field that the picture shows, as the corners of a polygon (`world` x and y,
     /// m); the last is joined to the first. Empty where it shows none.

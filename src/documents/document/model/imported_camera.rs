@@ -1,6 +1,6 @@
 //! The camera that another program gave a frame, kept beside the one on its camera's base.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
@@ -18,29 +18,20 @@ pub struct ImportedCamera {
     #[serde(with = "adapters::vector")]
     pub position_m: Vec3,
     /// The direction in which it looks, seen from above: 0 is world +y, positive towards +x.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(with = "adapters::number")]
+    #[serde(serialize_with = "finite")]
     pub heading_deg: f64,
     /// The elevation of its optical axis above the horizon.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(with = "adapters::number")]
+    #[serde(serialize_with = "finite")]
     pub pitch_deg: f64,
     /// Its rotation about the optical axis, positive when it leans to its right.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(with = "adapters::number")]
+    #[serde(serialize_with = "finite")]
     pub roll_deg: f64,
     /// Its focal length, px.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(with = "adapters::number")]
+    #[serde(serialize_with = "finite")]
     pub focal_px: f64,
     /// How far the ground moved in the picture when it was mended, px: the median over the picture.
     /// None if the two pictures have no ground in common.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub moved_px: Option<f64>,
     /// What made it impossible, in words.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,6 +1,6 @@
 //! A blind click: a landmark clicked again without a look at its label.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 use touchline_core::field::LandmarkId;
@@ -16,7 +16,7 @@ pub struct Repeat {
     pub landmark: LandmarkId,
     /// Where it was clicked, px of the frame.
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
-    #[serde(rename = "image_px", with = "adapters::image_point")]
+    #[serde(rename = "image_px", serialize_with = "finite")]
     pub image: ImagePoint,
     /// In which round of the document, from 1.
     pub round: u32,

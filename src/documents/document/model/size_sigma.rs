@@ -1,6 +1,6 @@
 //! What a camera's base leaves open of its field's length or width, as documents state it.
 
-use super::adapters;
+use super::adapters::finite;
 use crate::document::Extra;
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{SHARED_PARAMETERS, SharedError, SizeError};
@@ -10,22 +10,18 @@ use touchline_core::camera::{SHARED_PARAMETERS, SharedError, SizeError};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SizeSigma {
     /// 1-σ of the dimension, m.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(with = "adapters::number")]
+    #[serde(serialize_with = "finite")]
     pub sigma_m: f64,
     /// Lines up to this distance from the middle stay where they are, m.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number")]
+    #[serde(default, serialize_with = "finite")]
     pub still_m: f64,
     /// Lines from this distance on go with the end, half a metre for each metre, m.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number")]
+    #[serde(default, serialize_with = "finite")]
     pub end_m: f64,
     /// How the base changes per metre of the dimension: position x, y, z (m), rotation about x, y
     /// (rad), k₁, its slope per 1000 px, crown (m), principal point x, y (px). Further numbers mean
     /// nothing, missing ones are zero.
-    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
-    #[serde(default, with = "adapters::numbers")]
+    #[serde(default, serialize_with = "finite")]
     pub base_by_m: Vec<f64>,
     /// Unknown keys.
     #[serde(flatten)]

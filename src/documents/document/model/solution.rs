@@ -1,6 +1,6 @@
 //! What a solve says about a frame.
 
-use super::adapters;
+use super::adapters::{self, finite};
 use crate::document::{Extra, Ground, ImportedCamera, Target};
 use serde::{Deserialize, Serialize};
 use touchline_core::camera::{Ptz, Radial};
@@ -25,20 +25,10 @@ pub struct FramePtz {
     #[serde(with = "adapters::positive")]
     pub focal_px: f64,
     /// The k₁ that was used. It is input only where the camera has no curve.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub k1: Option<f64>,
     /// The k₂ that was used, where it is not zero: a record, never an input.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub k2: Option<f64>,
     /// The camera of this frame as another program gave it, if that stands not quite on the base
     /// of its camera: sensors on a tripod, and programs that calibrate a video frame by frame,
@@ -104,20 +94,10 @@ pub struct Solution {
     )]
     pub own_covariance: Option<Mat3>,
     /// Root mean square of the residuals, px; none where the clicks leave nothing to compare.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub rms_px: Option<f64>,
     /// 1-σ of the overlay at the worst corner of the picture, px.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub worst_corner_sigma_px: Option<f64>,
     /// What the camera is good for on the ground, where an export stated it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -126,12 +106,7 @@ pub struct Solution {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<SolutionSource>,
     /// The probability that the overlay is right within 10 px at 1920 px width.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
     /// How many samples of painted lines took part, where they did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -175,12 +150,7 @@ pub struct Proposed {
     /// Who proposed it.
     pub source: SolutionSource,
     /// The probability that it is right.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
     /// Its covariance in the order `pan_deg`, `tilt_deg`, `focal_px`.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
@@ -199,12 +169,7 @@ pub struct Proposed {
     )]
     pub own_covariance: Option<Mat3>,
     /// 1-σ of its overlay at the worst corner of the picture, px.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub worst_corner_sigma_px: Option<f64>,
 }
 
@@ -225,8 +190,7 @@ impl PaintEvidence {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PaintEvidence {
     /// The probability that the camera is right within 10 px at 1920 px width, by the paint alone.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(with = "adapters::number")]
+    #[serde(serialize_with = "finite")]
     pub score: f64,
     /// Places of the lines that the camera puts into the picture.
     pub predicted: usize,
@@ -235,36 +199,16 @@ pub struct PaintEvidence {
     /// Those that show open ground and no paint.
     pub bare: usize,
     /// The median distance of the paint from where it is predicted, px.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub offset_px: Option<f64>,
     /// The median of how far the paint lies below the lines that are predicted, across them, px.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub bias_px: Option<f64>,
     /// How far apart the overlays are that two halves of the paint would give, px.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub halves_px: Option<f64>,
     /// The share of the paint on the playing area that no predicted line explains.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    #[serde(
-        default,
-        with = "adapters::optional_number",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub unexplained: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
@@ -276,16 +220,13 @@ pub struct PaintEvidence {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TimingsMs {
     /// Finding the features, without reading the picture.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number")]
+    #[serde(default, serialize_with = "finite")]
     pub features: f64,
     /// Asking the forest.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number")]
+    #[serde(default, serialize_with = "finite")]
     pub predict: f64,
     /// Finding the pose.
-    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
-    #[serde(default, with = "adapters::number")]
+    #[serde(default, serialize_with = "finite")]
     pub pose: f64,
     /// Unknown keys.
     #[serde(flatten)]

@@ -59,6 +59,13 @@ pub enum MatError {
     Compressed(String),
 }
 
+impl MatError {
+    /// What is wrong at a place, counted within its element if that is compressed.
+    const fn damage_at(at: usize, what: &'static str) -> Self {
+        Self::Damaged { at, what }
+    }
+}
+
 /// The requested variables that a MAT file contains, in the order of the file.
 ///
 /// # Errors
@@ -122,10 +129,7 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<NamedValues, MatError> 
         };
         if let Some((name, value)) = read {
             if variables.iter().any(|(known, _)| *known == name) {
-                return Err(MatError::Damaged {
-                    at,
-                    what: "a variable occurs twice",
-                });
+                return Err(MatError::damage_at(at, "a variable occurs twice"));
             }
             variables.push((name, value));
         }
@@ -226,10 +230,10 @@ impl<'a> Reader<'a> {
 
     fn word(&mut self) -> Result<u32, MatError> {
         let at = self.at;
-        let bytes: [u8; 4] = self.take(4)?.try_into().map_err(|_| MatError::Damaged {
-            at,
-            what: "a number is cut short",
-        })?;
+        let bytes: [u8; 4] = self
+            .take(4)?
+            .try_into()
+            .map_err(|_| MatError::damage_at(at, "a number is cut short"))?;
         Ok(if self.big_endian {
             u32::from_be_bytes(bytes)
         } else {
@@ -246,10 +250,9 @@ impl<'a> Reader<'a> {
             let (kind, length) = (ElementType(first & 0xffff), (first >> 16) as usize);
             let at = self.at;
             let bytes = self.take(4)?;
-            let bytes = bytes.get(..length).ok_or(MatError::Damaged {
-                at,
-                what: "a small element is too long",
-            })?;
+            let bytes = bytes
+                .get(..length)
+                .ok_or(MatError::damage_at(at, "a small element is too long"))?;
             return Ok(Element { kind, bytes, at });
         }
         let (kind, length) = (ElementType(first), self.word()? as usize);
@@ -266,15 +269,11 @@ impl<'a> Reader<'a> {
     /// The numbers of the next element.
     fn numbers(&mut self) -> Result<Vec<f64>, MatError> {
         let Element { kind, bytes, at } = self.element()?;
-        let width = kind.width().ok_or(MatError::Damaged {
-            at,
-            what: "numbers are expected",
-        })?;
+        let width = kind
+            .width()
+            .ok_or(MatError::damage_at(at, "numbers are expected"))?;
         if bytes.len() % width != 0 {
-            return Err(MatError::Damaged {
-                at,
-                what: "a number is cut short",
-            });
+            return Err(MatError::damage_at(at, "a number is cut short"));
         }
         Ok(bytes
             .chunks_exact(width)
@@ -327,10 +326,10 @@ impl<'a> Reader<'a> {
             return Ok(MatValue::Numbers(Vec::new()));
         }
         if depth > MOST_NESTED {
-            return Err(MatError::Damaged {
-                at: self.at,
-                what: "structures are nested too deeply",
-            });
+            return Err(MatError::damage_at(
+                self.at,
+                "structures are nested too deeply",
+            ));
         }
         let head = self.matrix_head()?;
         self.matrix_value(&head, depth)
@@ -348,10 +347,7 @@ impl<'a> Reader<'a> {
         } else {
             flags.first()
         };
-        let class = *class.ok_or(MatError::Damaged {
-            at,
-            what: "an array has no class",
-        })?;
+        let class = *class.ok_or(MatError::damage_at(at, "an array has no class"))?;
         let at = self.at;
         let sizes = self.numbers()?;
         // A size that is no number counts as too large, so that the product overflows and is
@@ -364,10 +360,7 @@ impl<'a> Reader<'a> {
             };
             count.checked_mul(size)
         });
-        let count = count.ok_or(MatError::Damaged {
-            at,
-            what: "an array has no size",
-        })?;
+        let count = count.ok_or(MatError::damage_at(at, "an array has no size"))?;
         Ok(Head {
             class,
             count,
@@ -404,10 +397,7 @@ impl<'a> Reader<'a> {
             .map(|_| {
                 let element = self.element()?;
                 if element.kind != ElementType::MATRIX {
-                    return Err(MatError::Damaged {
-                        at: element.at,
-                        what: "an array is expected",
-                    });
+                    return Err(MatError::damage_at(element.at, "an array is expected"));
                 }
                 element.inside(self.big_endian).matrix(depth + 1)
             })
@@ -421,19 +411,18 @@ impl<'a> Reader<'a> {
         let length = self.numbers()?.first().copied().unwrap_or(0.0);
         let names = self.numbers()?;
         if !(1.0..=MOST_LETTERS).contains(&length) {
-            return Err(MatError::Damaged {
+            return Err(MatError::damage_at(
                 at,
-                what: "a structure's field names have no length",
-            });
+                "a structure's field names have no length",
+            ));
         }
         let names: Vec<Arc<str>> = names
             .chunks(length as usize)
             .map(|name| words(name).into())
             .collect();
-        let total = count.checked_mul(names.len()).ok_or(MatError::Damaged {
-            at,
-            what: "an array has no size",
-        })?;
+        let total = count
+            .checked_mul(names.len())
+            .ok_or(MatError::damage_at(at, "an array has no size"))?;
         let mut values = self.matrices(total, depth)?.into_iter();
         // Elements without fields contain nothing.
         let count = if names.is_empty() { 0 } else { count };
@@ -450,10 +439,9 @@ impl<'a> Reader<'a> {
         if kind == ElementType::UTF8 {
             return Ok(String::from_utf8_lossy(bytes).into_owned());
         }
-        let width = kind.width().ok_or(MatError::Damaged {
-            at,
-            what: "text is expected",
-        })?;
+        let width = kind
+            .width()
+            .ok_or(MatError::damage_at(at, "text is expected"))?;
         // Several rows lie side by side in memory, so that every `rows`-th letter is of the first.
         let rows = rows.unwrap_or(1.0).max(1.0) as usize;
         let numbers: Vec<f64> = bytes

@@ -273,10 +273,5 @@ fn logo(numbers: &[f64]) -> Option<PixelBox> {
         return None;
     };
     let covers = is_row(numbers, 4) && width > 0.0 && height > 0.0;
-    covers.then_some(PixelBox {
-        x: x - 1.0,
-        y: y - 1.0,
-        width: width + 1.0,
-        height: height + 1.0,
-    })
+    covers.then_some(PixelBox::new(x - 1.0, y - 1.0, width + 1.0, height + 1.0))
 }

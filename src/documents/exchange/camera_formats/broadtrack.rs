@@ -10,11 +10,13 @@ use super::soccernet::{
     SOCCERNET_WORLD, angles_deg, flip_point, flip_rotation, pitch_note, rotation_of,
 };
 use crate::document::FrameStatus;
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, file_name_of};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, WriteContext, file_name_of,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::held::{parts, with};
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -83,11 +85,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     // Towards 180° the focal length goes to zero; written so that NaN is refused.
     if !(view < 179.0) {
         let what = format!("[{name:?}].cp.horizontalFieldOfViewDegrees");
-        return Err(Problem::OutOfRange {
-            what,
-            value: view,
-            wanted: "below 179",
-        });
+        return Err(Problem::out_of_range(what, view, "below 179"));
     }
     let angles = camera.angles_at(["panDegrees", "tiltDegrees", "rollDegrees"])?;
     let position = camera.numbers_at(["positionXMeters", "positionYMeters", "positionZMeters"])?;
@@ -106,10 +104,10 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     let terms = terms.unwrap_or_default();
     if terms.iter().skip(2).any(|term| *term != 0.0) {
         let what = "a third distortion coefficient".to_owned();
-        return Err(Problem::Unsupported {
+        return Err(Problem::not_supported(
             what,
-            why: "the document's lens has k1 and k2 only",
-        });
+            "the document's lens has k1 and k2 only",
+        ));
     }
     // The unit of the coefficients depends on the focal length, which is known only now.
     let unit = unit(&pinhole, size);
@@ -148,12 +146,7 @@ impl CameraFormat for BroadTrack {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let (pinhole, size) = parts(frame)?;
         Ok(with(
             frame,
@@ -169,11 +162,7 @@ impl CameraFormat for BroadTrack {
         pitch_note(context).into_iter().collect()
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut all = Map::new();
         for frame in held {
             if let Ok((pinhole, size)) = parts(frame) {
@@ -186,11 +175,7 @@ impl CameraFormat for BroadTrack {
         ))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|_, bytes| {
             let value = parse(bytes)?;
             let mut frames = FrameCollector::default();

@@ -7,10 +7,10 @@
 //! must give them. Source: common-data-format-validator 0.1.1 (`schema/video.json`); arXiv
 //! 2505.15820.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
+use crate::exchange::cameras::camera_format::{CameraFormat, HeldFrame, WriteContext};
 use crate::exchange::cameras::frame_camera::FrameCamera;
 use crate::exchange::cameras::held::{cannot_hold, parts};
-use crate::exchange::error::ExchangeError;
+use crate::exchange::error::{ExchangeError, ExchangeResult};
 use crate::exchange::files::Files;
 use crate::exchange::format::{About, Format};
 use crate::exchange::format_options::FormatOption;
@@ -24,11 +24,7 @@ pub struct Cdf;
 const SAME_PLACE_M: f64 = 1e-6;
 
 /// A value that the sheet needs and that has to be given.
-fn require<T>(
-    value: Option<T>,
-    what: &'static str,
-    option: &'static str,
-) -> Result<T, ExchangeError> {
+fn require<T>(value: Option<T>, what: &'static str, option: &'static str) -> ExchangeResult<T> {
     value.ok_or(ExchangeError::ExportNeeds {
         format: Format::Cdf,
         what,
@@ -61,12 +57,7 @@ impl CameraFormat for Cdf {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         parts(frame)?;
         Ok(frame.with_name(format!("{index:06}")))
     }
@@ -79,11 +70,7 @@ impl CameraFormat for Cdf {
         ]
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let recording = &context.options.recording;
         // What a document does not know has to be given and never invented: an invented start would
         // shift every event of the match.
@@ -150,11 +137,7 @@ impl CameraFormat for Cdf {
         ))
     }
 
-    fn read(
-        &self,
-        _files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, _files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         Err(ExchangeError::OneWay {
             format: Format::Cdf,
             what: "imported",

@@ -4,13 +4,15 @@
 //! (Nuke's default order ZXY). The last column is the *vertical* field of view in degrees. There is
 //! neither a size of picture nor a principal point, lens or rate.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, SequenceScope, WriteContext,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{
     OTHER_SIZE, cannot_hold, note_several_cameras, parts, plain, with,
 };
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeError, ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::{About, Format};
 use crate::exchange::format_options::{self, FormatOption};
@@ -73,21 +75,18 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
         return Ok(None);
     }
     let found = values.len();
-    let [number, x, y, z, rx, ry, rz, view]: [f64; 8] =
-        values.try_into().map_err(|_| Problem::Count {
-            what: "columns".to_owned(),
-            wanted: 8,
-            found,
-        })?;
+    let [number, x, y, z, rx, ry, rz, view]: [f64; 8] = values
+        .try_into()
+        .map_err(|_| Problem::wrong_count("columns", 8, found))?;
     let number = frame_number("the frame", number)?;
     // Towards 180° the focal length goes to zero; written so that NaN is refused.
     if !(view > 0.0 && view < 179.0) {
         let what = "the field of view".to_owned();
-        return Err(Problem::OutOfRange {
+        return Err(Problem::out_of_range(
             what,
-            value: view,
-            wanted: "between 0 and 179 degrees",
-        });
+            view,
+            "between 0 and 179 degrees",
+        ));
     }
     // `read` refuses files without a given size before any line is read.
     let size = options.size.unwrap_or_default();
@@ -129,12 +128,7 @@ impl CameraFormat for Chan {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let (pinhole, size) = parts(frame)?;
         Ok(with(
             frame,
@@ -155,11 +149,7 @@ impl CameraFormat for Chan {
         Some(SequenceScope::All)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut text = String::new();
         // A reader knows one size for the whole track, by which it finds the focal lengths.
         let first_size = held.first().and_then(|first| first.size);
@@ -190,11 +180,7 @@ impl CameraFormat for Chan {
         Ok(Files::one("camera.chan", text.into_bytes()))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         if options.size.is_none() {
             let (what, option) = ("the size of its pictures", "--size WIDTHxHEIGHT");
             return Err(ExchangeError::OptionNeeded {

@@ -6,12 +6,12 @@
 //! is written even if it is empty, because readers silently lose images without it. Clicked
 //! landmarks are written as points with tracks. Source: colmap/colmap, doc/format.rst.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
+use crate::exchange::cameras::camera_format::{CameraFormat, HeldFrame, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, relative_name};
 use crate::exchange::cameras::square_pixels::{Calibration, SquarePixels};
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -50,11 +50,7 @@ type Lenses = BTreeMap<u64, Result<Lens, Problem>>;
 
 fn read_camera(fields: &[&str]) -> Result<Lens, Problem> {
     let [_, model, width, height, params @ ..] = fields else {
-        return Err(Problem::Count {
-            what: "fields of a camera".to_owned(),
-            wanted: 8,
-            found: fields.len(),
-        });
+        return Err(Problem::wrong_count("fields of a camera", 8, fields.len()));
     };
     let params: Vec<f64> = params
         .iter()
@@ -68,18 +64,18 @@ fn read_camera(fields: &[&str]) -> Result<Lens, Problem> {
         "OPENCV" => 8,
         other => {
             let why = "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read";
-            return Err(Problem::Unsupported {
-                what: format!("the camera model {:?}", shorten(other)),
+            return Err(Problem::not_supported(
+                format!("the camera model {:?}", shorten(other)),
                 why,
-            });
+            ));
         }
     };
     if params.len() != wanted {
-        return Err(Problem::Count {
-            what: format!("parameters of {model}"),
+        return Err(Problem::wrong_count(
+            format!("parameters of {model}"),
             wanted,
-            found: params.len(),
-        });
+            params.len(),
+        ));
     }
     // Behind one or two focal lengths come cx and cy, which every model has, and then k1, k2, p1
     // and p2 as far as the model has them.
@@ -93,10 +89,7 @@ fn read_camera(fields: &[&str]) -> Result<Lens, Problem> {
     };
     if rest.iter().skip(4).any(|value| *value != 0.0) {
         let why = "the document's lens has k1 and k2 only";
-        return Err(Problem::Unsupported {
-            what: "tangential distortion".to_owned(),
-            why,
-        });
+        return Err(Problem::not_supported("tangential distortion", why));
     }
     Ok(Lens {
         size,
@@ -151,11 +144,7 @@ fn read_cameras(bytes: &[u8]) -> Result<Lenses, Problem> {
             problem: Box::new(problem.at_line(line_number)),
         });
         if cameras.insert(id, lens).is_some() {
-            return Err(Problem::Twice {
-                what: "the camera",
-                name: id.to_string(),
-            }
-            .at_line(line_number));
+            return Err(Problem::twice("the camera", id.to_string()).at_line(line_number));
         }
     }
     Ok(cameras)
@@ -179,29 +168,19 @@ fn image_fields(line: &str) -> Vec<&str> {
 fn read_image(line: &str, cameras: &Lenses) -> Result<FrameCamera, Problem> {
     let fields = image_fields(line);
     let [_, pose @ .., camera, name] = &fields[..] else {
-        return Err(Problem::Count {
-            what: "fields of an image".to_owned(),
-            wanted: 10,
-            found: fields.len(),
-        });
+        return Err(Problem::wrong_count("fields of an image", 10, fields.len()));
     };
     let found = fields.len();
     let pose = numbers("the pose of the image", &pose.join(" "))?;
-    let [w, x, y, z, tx, ty, tz]: [f64; 7] = pose.try_into().map_err(|_| Problem::Count {
-        what: "fields of an image".to_owned(),
-        wanted: 10,
-        found,
-    })?;
+    let [w, x, y, z, tx, ty, tz]: [f64; 7] = pose
+        .try_into()
+        .map_err(|_| Problem::wrong_count("fields of an image", 10, found))?;
     let quaternion = Quaternion::new(w, x, y, z);
     // Rounded digits leave the length near 1, and it is normalised below. Another length means that
     // the fields are not a quaternion.
     if !((quaternion.norm() - 1.0).abs() < 1e-3) {
         let what = "the length of the quaternion".to_owned();
-        return Err(Problem::OutOfRange {
-            what,
-            value: quaternion.norm(),
-            wanted: "1",
-        });
+        return Err(Problem::out_of_range(what, quaternion.norm(), "1"));
     }
     let id: u64 = camera.parse().map_err(|_| unknown_camera(camera))?;
     let lens = cameras.get(&id).ok_or_else(|| unknown_camera(camera))?;
@@ -268,11 +247,7 @@ fn read_images(bytes: &[u8], cameras: &Lenses) -> Result<Vec<FrameCamera>, Probl
         }
         if count % 3 != 0 {
             let what = "the line of points behind an image (numbers, by three)".to_owned();
-            let problem = Problem::Count {
-                what,
-                wanted: count.next_multiple_of(3),
-                found: count,
-            };
+            let problem = Problem::wrong_count(what, count.next_multiple_of(3), count);
             return Err(problem.at_line(points_line));
         }
     }
@@ -370,12 +345,7 @@ impl CameraFormat for Colmap {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let name = relative_name(frame);
         if name.contains(char::is_whitespace) {
             return Err(format!(
@@ -385,11 +355,7 @@ impl CameraFormat for Colmap {
         Ok(frame.with_name(name))
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut cameras =
             "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] (f, cx, cy, k1, k2)\n".to_owned();
         let mut images =
@@ -432,11 +398,7 @@ impl CameraFormat for Colmap {
         name == CAMERAS || name == IMAGES
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         let cameras = read_cameras(required_file(files, CAMERAS)?)
             .map_err(|problem| problem.within(CAMERAS))?;
         read_images(required_file(files, IMAGES)?, &cameras)
@@ -445,7 +407,7 @@ impl CameraFormat for Colmap {
 }
 
 /// The contents of a file that must be there.
-fn required_file<'a>(files: &'a Files, name: &str) -> Result<&'a [u8], ExchangeError> {
+fn required_file<'a>(files: &'a Files, name: &str) -> ExchangeResult<&'a [u8]> {
     files
         .get(name)
         .ok_or_else(|| Problem::Missing("the file".to_owned()).within(name))

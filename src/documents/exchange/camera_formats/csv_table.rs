@@ -8,12 +8,14 @@
 //! `read_csv(f, float_precision="round_trip")`).
 
 use crate::document::{FrameStatus, SolutionSource};
-use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext, stem_of};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, SequenceScope, WriteContext, stem_of,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole, Record};
 use crate::exchange::cameras::ground_fit::fit_image_from_ground;
 use crate::exchange::cameras::held::{parts, relative_name};
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options::{self, FormatOption};
@@ -299,12 +301,7 @@ impl CameraFormat for Csv {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let camera = frame.camera.as_deref().unwrap_or_default();
         let name = match (&frame.image, frame.frame_index) {
             (Some(_), _) => relative_name(frame),
@@ -323,11 +320,7 @@ impl CameraFormat for Csv {
         Some(SequenceScope::CameraWithoutImages)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut text = String::new();
         push_row(&header(), &mut text);
         for frame in held {
@@ -338,11 +331,7 @@ impl CameraFormat for Csv {
         Ok(Files::one("cameras.csv", text.into_bytes()))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|_, bytes| {
             // One column for each group: the header of another program's table is refused at once,
             // with the column that it lacks.

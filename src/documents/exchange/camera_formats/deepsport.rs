@@ -11,7 +11,7 @@ use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinho
 use crate::exchange::cameras::into_document::Exactness;
 use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -140,11 +140,7 @@ impl CameraFormat for DeepSport {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         // The origin is a corner of the court, so that its size must be known to find the middle.
         // The import has put its folder before the name of a template of the user's own.
         let court = options.field.model(Path::new(""))?;

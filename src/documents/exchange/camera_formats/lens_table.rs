@@ -14,7 +14,7 @@ use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, KnownLens};
 use crate::exchange::cameras::into_document::View;
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
@@ -51,11 +51,7 @@ fn length_mm(row: &TableRow<'_>, column: &str) -> Result<Option<f64>, Problem> {
     if length_mm > 0.0 && length_mm.is_finite() {
         return Ok(Some(length_mm));
     }
-    let problem = Problem::OutOfRange {
-        what: column.to_owned(),
-        value: length_mm,
-        wanted: "a length above 0, mm",
-    };
+    let problem = Problem::out_of_range(column, length_mm, "a length above 0, mm");
     Err(problem.at_line(row.line()))
 }
 
@@ -71,10 +67,8 @@ fn lens_of(
     let sensor_mm = options
         .sensor_width_mm
         .or_else(|| Some(FILM_MM * focal_mm / on_film_mm?));
-    let sensor_mm = sensor_mm.ok_or_else(|| Problem::OptionNeeded {
-        what: "the width of the sensor".to_owned(),
-        option: "--sensor-mm",
-    })?;
+    let sensor_mm = sensor_mm
+        .ok_or_else(|| Problem::option_needed("the width of the sensor", "--sensor-mm"))?;
     Ok(KnownLens {
         focal_px: focal_mm / sensor_mm * f64::from(size.width),
         principal_point: size.centre(),
@@ -92,9 +86,11 @@ fn read_table(
     let column = columns
         .find(|column| table.needs(&[column]).is_ok())
         .ok_or_else(|| Problem::Missing(format!("the column {}", FOCAL_COLUMNS.join(" or "))))?;
-    let size = options.size.ok_or_else(|| Problem::OptionNeeded {
-        what: "the size of the pictures".to_owned(),
-        option: "--video VIDEO or --size WIDTHxHEIGHT",
+    let size = options.size.ok_or_else(|| {
+        Problem::option_needed(
+            "the size of the pictures",
+            "--video VIDEO or --size WIDTHxHEIGHT",
+        )
     })?;
     let video = format!("{}.mp4", stem(name));
     let mut frames = FrameCollector::default();
@@ -139,11 +135,7 @@ impl CameraFormat for LensTable {
         document_with_lenses(field, frames, self.exactness())
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|name, bytes| read_table(name, bytes, options))
     }
 }
@@ -152,7 +144,7 @@ impl CameraFormat for LensTable {
 mod tests {
     use super::*;
 
-    fn read(text: &str, sensor_mm: Option<f64>) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(text: &str, sensor_mm: Option<f64>) -> ExchangeResult<Vec<FrameCamera>> {
         let options = ImportOptions {
             size: Some(ImageSize::new(1920, 1080)),
             sensor_width_mm: sensor_mm,

@@ -9,7 +9,7 @@ use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_en
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -133,10 +133,7 @@ fn entries(text: &str) -> Result<Entries, Problem> {
             number(&key, value).into_iter().collect()
         };
         if found.insert(key.clone(), values).is_some() {
-            let problem = Problem::Twice {
-                what: "the key",
-                name: shorten(&key),
-            };
+            let problem = Problem::twice("the key", shorten(&key));
             return Err(problem.at_line(line_number));
         }
     }
@@ -207,10 +204,10 @@ fn size_of(entries: &Entries, options: &ImportOptions) -> Result<ImageSize, Prob
         return Ok(size);
     }
     if !entries.contains_key("image_width") {
-        return Err(Problem::OptionNeeded {
-            what: "the size of the picture (image_width, image_height)".to_owned(),
-            option: "--size WIDTHxHEIGHT",
-        });
+        return Err(Problem::option_needed(
+            "the size of the picture (image_width, image_height)",
+            "--size WIDTHxHEIGHT",
+        ));
     }
     Ok(ImageSize::new(
         side(entries, "image_width")?,
@@ -276,11 +273,11 @@ fn values_of<'a>(entries: &'a Entries, key: &str, wanted: usize) -> Result<&'a [
             found: "a text".to_owned(),
         });
     }
-    Err(Problem::Count {
-        what: format!("{key} (numbers)"),
+    Err(Problem::wrong_count(
+        format!("{key} (numbers)"),
         wanted,
-        found: values.len(),
-    })
+        values.len(),
+    ))
 }
 
 /// A side of the picture, px.
@@ -304,11 +301,7 @@ impl CameraFormat for OpenCvYaml {
         }
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut files = Files::default();
         for frame in held {
             if let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) {
@@ -318,11 +311,7 @@ impl CameraFormat for OpenCvYaml {
         Ok(files)
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         // XML and JSON may be anything, beside the YAML that is meant.
         let mut sorted = files.sorted_entries();
         if sorted.len() > 1 {

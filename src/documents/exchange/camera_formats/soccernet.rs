@@ -6,12 +6,14 @@
 //! state the picture size: readers take twice the principal point. Source:
 //! SoccerNet/sn-calibration, `src/camera.py`.
 
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, WriteContext, has_ending, stem_of,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -238,7 +240,7 @@ fn frame_from_pinhole(name: &str, (pinhole, off_px): (Pinhole, f64)) -> FrameCam
     }
 }
 
-fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
+fn read_files(files: &Files) -> ExchangeResult<Vec<FrameCamera>> {
     read_frame_files(&files.sorted_entries(), frame_name, read_file)
 }
 
@@ -331,12 +333,7 @@ impl CameraFormat for SoccerNet {
         SizeSource::PrincipalPoint
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let name = stem_of(frame);
         if name.contains('.') {
             return Err(format!(
@@ -382,11 +379,7 @@ impl CameraFormat for SoccerNet {
             .collect()
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut files = Files::default();
         for frame in held {
             if let Some(pinhole) = frame.pinhole() {
@@ -403,11 +396,7 @@ impl CameraFormat for SoccerNet {
         stem(name).starts_with(PREFIX) && has_ending(name, "json")
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         read_files(files)
     }
 }
@@ -433,11 +422,7 @@ impl CameraFormat for PnlCalib {
     }
 
     /// A file for each frame, or one with a sample for each.
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         let sorted = files.sorted_entries();
         // Of several files each is a frame. A single one may be a list of samples; where it has
         // none, it is read again as a frame.

@@ -7,11 +7,13 @@
 //! across it. Distortion cannot be represented. Source: `OpenUSD`, `UsdGeomCamera`.
 
 use super::chan::{looking_back, y_up};
-use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, SequenceScope, WriteContext,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, with};
 use crate::exchange::cameras::into_document::FreeNames;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
@@ -168,21 +170,14 @@ fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
     // its exact words.
     let name = prim.split('"').next().unwrap_or_default();
     let camera: String = serde_json::from_str(between(prim, "touchline:camera = ", "\n")?)
-        .map_err(|error| Problem::NotFormat {
-            wanted: "a name of a camera",
-            found: error.to_string(),
-        })?;
+        .map_err(|error| Problem::not_format("a name of a camera", error.to_string()))?;
     let sides = numbers(
         "the size",
         &between(stage, &format!("int2 {name}_image_size_px = ("), ")")?.replace(',', " "),
     )?;
     let [width, height]: [f64; 2] = sides.try_into().map_err(|sides: Vec<f64>| {
         let (what, found) = ("sides of the picture".to_owned(), sides.len());
-        Problem::Count {
-            what,
-            wanted: 2,
-            found,
-        }
+        Problem::wrong_count(what, 2, found)
     })?;
     let size = ImageSize::new(side_px("width", width)?, side_px("height", height)?);
     let mm_per_px = float_attribute(prim, "horizontalAperture")? / width;
@@ -281,12 +276,7 @@ impl CameraFormat for Usda {
         RESOLUTION_PX
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         let (pinhole, _) = parts(frame)?;
         let camera = frame.camera.as_deref().unwrap_or_default();
         let time = frame.frame_index.unwrap_or(index as u64);
@@ -318,11 +308,7 @@ impl CameraFormat for Usda {
         Some(SequenceScope::Camera)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let takes = takes(held);
         let times: Vec<u64> = takes
             .iter()
@@ -363,11 +349,7 @@ impl CameraFormat for Usda {
         Ok(Files::one("camera.usda", text.into_bytes()))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|_, bytes| {
             let stage = text(bytes)?;
             let takes = stage

@@ -4,7 +4,7 @@ use super::frame_camera::FrameCamera;
 use super::into_document::{Exactness, View, document_of};
 use super::picture_size::SizeSource;
 use crate::document::{Document, FieldSpec};
-use crate::exchange::error::ExchangeError;
+use crate::exchange::error::ExchangeResult;
 use crate::exchange::files::{Files, base_name};
 use crate::exchange::format::About;
 use crate::exchange::options::{ExportOptions, ImportOptions};
@@ -62,6 +62,9 @@ pub enum SequenceScope {
     CameraWithoutImages,
 }
 
+/// A frame as a format stores it, or why the format cannot.
+pub type HeldFrame = Result<FrameCamera, String>;
+
 /// A format that stores a camera or a homography for each frame.
 pub trait CameraFormat: Sync {
     /// The frame as the format stores it, under the name with which it will be read back: as it is
@@ -69,12 +72,7 @@ pub trait CameraFormat: Sync {
     ///
     /// # Errors
     /// The format cannot store the frame at all; the reason in words.
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        _context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> HeldFrame {
         Ok(frame.with_name(stem_of(frame)))
     }
 
@@ -112,11 +110,7 @@ pub trait CameraFormat: Sync {
     ///
     /// # Errors
     /// A value cannot be written.
-    fn write(
-        &self,
-        _held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, _held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         Ok(Files::default())
     }
 
@@ -134,11 +128,7 @@ pub trait CameraFormat: Sync {
     ///
     /// # Errors
     /// A file is damaged.
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError>;
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>>;
 
     /// The contents of its files that are not read, in words.
     fn unread(&self, _files: &Files) -> Vec<String> {

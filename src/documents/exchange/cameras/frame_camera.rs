@@ -252,19 +252,15 @@ impl Pinhole {
         }
         if !(self.focal_px > 0.0) {
             let what = format!("the focal length of {what}");
-            return Err(Problem::OutOfRange {
-                what,
-                value: self.focal_px,
-                wanted: "above 0",
-            });
+            return Err(Problem::out_of_range(what, self.focal_px, "above 0"));
         }
         if self.position_m.amax() > FARTHEST_M {
             let what = format!("a coordinate of the position of {what}");
-            return Err(Problem::OutOfRange {
+            return Err(Problem::out_of_range(
                 what,
-                value: self.position_m.amax(),
-                wanted: "within 100 km, in metres",
-            });
+                self.position_m.amax(),
+                "within 100 km, in metres",
+            ));
         }
         let away_px = self
             .principal_point
@@ -273,30 +269,26 @@ impl Pinhole {
             .max(self.principal_point.y.abs());
         if away_px > FARTHEST_PX {
             let what = format!("a coordinate of the principal point of {what}");
-            return Err(Problem::OutOfRange {
-                what,
-                value: away_px,
-                wanted: "within a million px",
-            });
+            return Err(Problem::out_of_range(what, away_px, "within a million px"));
         }
         // The document has k₂ as a multiple of k₁² (`FocalCurve`), so that it cannot state k₂
         // alone. The second check is of that multiple, which overflows for a tiny k₁.
         if self.lens.k1 == 0.0 && self.lens.k2 != 0.0 {
             let what = format!("k2 = {} without k1 of {what}", self.lens.k2);
-            return Err(Problem::Unsupported {
+            return Err(Problem::not_supported(
                 what,
-                why: "in the lens model k2 depends on k1",
-            });
+                "in the lens model k2 depends on k1",
+            ));
         }
         if self.curve().is_none_or(|curve| !curve.is_finite()) {
             let what = format!(
                 "k1 = {:e} with k2 = {:e} of {what}",
                 self.lens.k1, self.lens.k2
             );
-            return Err(Problem::Unsupported {
+            return Err(Problem::not_supported(
                 what,
-                why: "no real lens distorts like that",
-            });
+                "no real lens distorts like that",
+            ));
         }
         // Numbers with few digits are nearly a rotation, and the nearest rotation is meant. A
         // matrix that is farther away was read in the wrong way, which no rounding explains.

@@ -2,7 +2,7 @@
 
 use super::camera_format::{SequenceScope, stem_of};
 use super::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use crate::exchange::error::ExchangeError;
+use crate::exchange::error::{ExchangeError, ExchangeResult};
 use crate::exchange::files::base_name;
 use crate::exchange::format::Format;
 use crate::exchange::syntax::node::safe_path;
@@ -64,7 +64,7 @@ pub fn refuse_mixed_sequence(
     frames: &[FrameCamera],
     format: Format,
     sequence: SequenceScope,
-) -> Result<(), ExchangeError> {
+) -> ExchangeResult<()> {
     let mut firsts: BTreeMap<Option<&str>, &FrameCamera> = BTreeMap::new();
     for frame in frames {
         let group = match sequence {

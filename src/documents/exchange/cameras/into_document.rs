@@ -112,11 +112,7 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
                 let turned = on_base.cam_from_world * base.base_from_world.transpose();
                 let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
                 let tilt = Angle::from_radians((-turned[(2, 1)]).atan2(turned[(1, 1)]));
-                let ptz = Ptz {
-                    pan,
-                    tilt,
-                    focal_px: on_base.focal_px,
-                };
+                let ptz = Ptz::new(pan, tilt, on_base.focal_px);
                 let imported = Some(view)
                     .filter(|_| keeps_own)
                     .and_then(Pinhole::ptz_camera)

@@ -48,10 +48,10 @@ impl Calibration {
         // A matrix in 32-bit numbers may have a last entry that is not quite one.
         let [fx, skew, cx, a, fy, cy, b, c, scale] = *rows;
         if [a, b, c] != [0.0; 3] || !((scale - 1.0).abs() < 1e-6) {
-            return Err(Problem::Unsupported {
-                what: format!("a matrix with {a} below fx and the last row {b}, {c}, {scale}"),
-                why: "a calibration matrix is fx, skew, cx; 0, fy, cy; 0, 0, 1",
-            });
+            return Err(Problem::not_supported(
+                format!("a matrix with {a} below fx and the last row {b}, {c}, {scale}"),
+                "a calibration matrix is fx, skew, cx; 0, fy, cy; 0, 0, 1",
+            ));
         }
         let shift = pixels.to_corner_px();
         Ok(Self {

@@ -7,7 +7,7 @@
 use super::frame_camera::{FrameCamera, FrameProjection, Unreadable};
 use super::into_document::{Cameras, unsolved_frame};
 use crate::document::{Document, Frame, Shared};
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::syntax::values::shorten;
 use touchline_core::files::plain;
 use touchline_core::geometry::{ImageSize, pluralise};
@@ -27,7 +27,7 @@ pub fn read_frame_files(
     files: &[(&str, &[u8])],
     frame_name: impl Fn(&str) -> &str,
     read: impl Fn(&str, &[u8]) -> Result<FrameCamera, Problem>,
-) -> Result<Vec<FrameCamera>, ExchangeError> {
+) -> ExchangeResult<Vec<FrameCamera>> {
     let mut frames = FrameCollector {
         frames: Vec::with_capacity(files.len()),
         ..FrameCollector::default()
@@ -197,7 +197,7 @@ mod tests {
         exporter: Format,
         format: Format,
         damage: &[(String, &str)],
-    ) -> Result<Imported, ExchangeError> {
+    ) -> ExchangeResult<Imported> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("cameras");
         let exported = export_as(&awkward(), exporter);

@@ -3,12 +3,13 @@
 use crate::document::Click;
 use crate::exchange::cameras::camera_format::has_ending;
 use crate::exchange::cameras::unreadable::describe_unreadable;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, base_name};
 use crate::exchange::format::About;
 use crate::exchange::options::{ExportOptions, ImportOptions, LabelMap};
 use crate::exchange::syntax::node::safe_path;
 use crate::exchange::syntax::values::shorten;
+use std::cell::RefCell;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox};
 
@@ -38,6 +39,19 @@ pub struct LabelledFrame {
     pub marks: Vec<Mark>,
     /// What moves in it, px, where the options ask for it.
     pub masks: Vec<PixelBox>,
+}
+
+impl LabelledFrame {
+    /// A frame with its marks, without masks.
+    pub fn new(name: &str, image: Option<String>, size: ImageSize, marks: Vec<Mark>) -> Self {
+        Self {
+            name: name.to_owned(),
+            image,
+            size,
+            marks,
+            masks: Vec::new(),
+        }
+    }
 }
 
 /// A point with a label.
@@ -72,11 +86,11 @@ impl Mark {
         /// Peaks of heat maps that are written as probabilities exceed 1 by a little.
         const MOST: f64 = 1.1;
         if !(0.0..=MOST).contains(&probability) {
-            return Err(Problem::OutOfRange {
-                what: format!("the probability of {:?}", shorten(&self.label)),
-                value: probability,
-                wanted: "between 0 and 1; files of labels are imported without --points",
-            });
+            return Err(Problem::out_of_range(
+                format!("the probability of {:?}", shorten(&self.label)),
+                probability,
+                "between 0 and 1; files of labels are imported without --points",
+            ));
         }
         Ok(Self {
             probability: Some(probability.min(1.0)),
@@ -121,10 +135,7 @@ pub fn size_or_option(
 /// The error about a picture of unknown size.
 pub fn size_needed(image: &str) -> Problem {
     let what = format!("the size of {:?}", shorten(image));
-    Problem::OptionNeeded {
-        what,
-        option: "--size WIDTHxHEIGHT or --images FOLDER",
-    }
+    Problem::option_needed(what, "--size WIDTHxHEIGHT or --images FOLDER")
 }
 
 /// The path of a picture from the folder of pictures. Where the user gave that folder, a path that
@@ -155,6 +166,15 @@ pub struct LabelReading<'a> {
     pub sizes: &'a Sizes<'a>,
 }
 
+/// Reads the labels of a format: how, and what could not be read so far.
+pub struct LabelReader<'a> {
+    /// The options of the import.
+    pub options: &'a ImportOptions,
+    /// The sizes of pictures that are there.
+    pub sizes: &'a Sizes<'a>,
+    unread: RefCell<UnreadLabels>,
+}
+
 /// Labels that cannot be read beside others that can: a damaged file of a folder, or one picture of
 /// a file.
 #[derive(Default)]
@@ -175,18 +195,19 @@ struct UnreadLabel {
     problem: Problem,
 }
 
-impl UnreadLabels {
+impl LabelReader<'_> {
     /// What was read of a file, or of a picture within it. A problem is kept.
     pub fn keep<T>(
-        &mut self,
+        &self,
         file: &str,
         picture: Option<&str>,
         read: Result<T, Problem>,
     ) -> Option<T> {
         read.map_err(|problem| {
-            self.count += 1;
-            if self.first.len() < MAX_KEPT {
-                self.first.push(UnreadLabel {
+            let mut unread = self.unread.borrow_mut();
+            unread.count += 1;
+            if unread.first.len() < MAX_KEPT {
+                unread.first.push(UnreadLabel {
                     file: file.to_owned(),
                     picture: picture.map(ToOwned::to_owned),
                     problem,
@@ -195,7 +216,9 @@ impl UnreadLabels {
         })
         .ok()
     }
+}
 
+impl UnreadLabels {
     /// The line about them, beside `read` frames that were read; none where there is none.
     pub fn describe(&self, read: usize) -> Option<String> {
         let named = self.first.iter().map(|unread| {
@@ -215,9 +238,14 @@ pub fn read_labels(
     format: &dyn ClickFormat,
     files: &Files,
     reading: &LabelReading<'_>,
-) -> Result<(Vec<LabelledFrame>, UnreadLabels), ExchangeError> {
-    let mut unread = UnreadLabels::default();
-    let frames = format.read(files, reading, &mut unread)?;
+) -> ExchangeResult<(Vec<LabelledFrame>, UnreadLabels)> {
+    let reader = LabelReader {
+        options: reading.options,
+        sizes: reading.sizes,
+        unread: RefCell::default(),
+    };
+    let frames = format.read(files, &reader)?;
+    let mut unread = reader.unread.into_inner();
     // An option mends it for all, so that it is not the matter of one picture.
     let wants_option =
         |unread: &UnreadLabel| matches!(unread.problem, Problem::OptionNeeded { .. });
@@ -242,7 +270,7 @@ pub fn read_alone(
     files: &Files,
     options: &ImportOptions,
     size: Option<ImageSize>,
-) -> Result<Vec<LabelledFrame>, ExchangeError> {
+) -> ExchangeResult<Vec<LabelledFrame>> {
     let reading = LabelReading {
         options,
         sizes: &|_| size,
@@ -291,7 +319,7 @@ pub trait ClickFormat: Sync {
         &self,
         _frames: &[ClickedFrame],
         _context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    ) -> ExchangeResult<Files> {
         Ok(Files::default())
     }
 
@@ -305,17 +333,12 @@ pub trait ClickFormat: Sync {
         endings.any(|ending| has_ending(name, ending))
     }
 
-    /// The frames of its files. What cannot be read is added to `unread`; [`read_labels`] is for
+    /// The frames of its files. What cannot be read is left to `reading`; [`read_labels`] is for
     /// callers.
     ///
     /// # Errors
     /// Files are damaged as a whole.
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError>;
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>>;
 
     /// The meaning of labels in what this program itself writes, and of formats with classes of
     /// their own.

@@ -5,16 +5,16 @@
 //! otherwise. Ids of images and annotations and indices of the skeleton begin at 1.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, ThirdNumber,
-    UnreadLabels, picture_path,
+    ClickContext, ClickFormat, ClickedFrame, LabelReader, LabelledFrame, Mark, ThirdNumber,
+    picture_path,
 };
 use super::labels::keypoints;
 use crate::document::{Click, Target};
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options;
-use crate::exchange::options::{ImportOptions, Pixels};
+use crate::exchange::options::Pixels;
 use crate::exchange::syntax::node::{Node, parse};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -101,19 +101,14 @@ pub(in crate::exchange) fn id_of(node: &Node<'_>) -> Result<i64, Problem> {
     if value.fract() == 0.0 && value.abs() < 9e15 {
         return Ok(value as i64);
     }
-    Err(Problem::OutOfRange {
-        what: node.path().to_owned(),
-        value,
-        wanted: "a whole number",
-    })
+    Err(Problem::out_of_range(node.path(), value, "a whole number"))
 }
 
 /// The frames of a file with images, categories and annotations.
 pub(in crate::exchange) fn read_with(
     third: ThirdNumber,
     (file, bytes): (&str, &[u8]),
-    options: &ImportOptions,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
@@ -127,7 +122,7 @@ pub(in crate::exchange) fn read_with(
     } else {
         Pixels::Centre
     };
-    let shift = options.pixels.unwrap_or(by_file).to_corner_px();
+    let shift = reading.options.pixels.unwrap_or(by_file).to_corner_px();
     // Images, categories and annotations refer to each other by ids in any order, so that the first
     // two are read before the annotations.
     let mut names: BTreeMap<i64, Vec<&str>> = BTreeMap::new();
@@ -139,10 +134,7 @@ pub(in crate::exchange) fn read_with(
                 .collect::<Result<_, _>>()?;
             let id = id_of(&category.key("id")?)?;
             if names.insert(id, of).is_some() {
-                return Err(Problem::Twice {
-                    what: "the category id",
-                    name: id.to_string(),
-                });
+                return Err(Problem::twice("the category id", id.to_string()));
             }
         }
     }
@@ -151,19 +143,15 @@ pub(in crate::exchange) fn read_with(
     for image in root.key("images")?.items()? {
         let id = id_of(&image.key("id")?)?;
         if at.insert(id, frames.len()).is_some() {
-            return Err(Problem::Twice {
-                what: "the image id",
-                name: id.to_string(),
-            });
+            return Err(Problem::twice("the image id", id.to_string()));
         }
-        let name = picture_path(image.key("file_name")?.text()?, options)?;
-        frames.push(LabelledFrame {
-            masks: Vec::new(),
-            image: Some(name.clone()),
-            name,
-            size: image.size_at("width", "height")?,
-            marks: Vec::new(),
-        });
+        let name = picture_path(image.key("file_name")?.text()?, reading.options)?;
+        frames.push(LabelledFrame::new(
+            &name,
+            Some(name.clone()),
+            image.size_at("width", "height")?,
+            Vec::new(),
+        ));
     }
     for annotation in root.key("annotations")?.items()? {
         // Boxes and masks of other categories may be in the same file.
@@ -171,7 +159,7 @@ pub(in crate::exchange) fn read_with(
             continue;
         }
         let read = annotation_marks(&annotation, &at, &names, (third, shift));
-        let read = unread.keep(file, Some(annotation.path()), read);
+        let read = reading.keep(file, Some(annotation.path()), read);
         if let Some((frame, marks)) = read {
             frames[frame].marks.extend(marks);
         }
@@ -199,11 +187,7 @@ fn annotation_marks(
     let values = points.all_numbers()?;
     if values.len() != 3 * of.len() {
         let what = format!("{} (numbers)", points.path());
-        return Err(Problem::Count {
-            what,
-            wanted: 3 * of.len(),
-            found: values.len(),
-        });
+        return Err(Problem::wrong_count(what, 3 * of.len(), values.len()));
     }
     // Visibility 1 is a point that is hidden in the picture and was placed all the same.
     let marks = marks_of_keypoints(&values, of, (third, shift))?;
@@ -263,11 +247,7 @@ impl ClickFormat for Coco {
         false
     }
 
-    fn write(
-        &self,
-        frames: &[ClickedFrame],
-        context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> ExchangeResult<Files> {
         let names = keypoints(context.options.names, context.field);
         let images = frames.iter().enumerate().map(|(index, frame)| {
             let (width, height) = (frame.size.width, frame.size.height);
@@ -290,15 +270,10 @@ impl ClickFormat for Coco {
         ))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
         files.read_all(|file, bytes| {
             let third = ThirdNumber::Visibility;
-            read_with(third, (file, bytes), reading.options, unread)
+            read_with(third, (file, bytes), reading)
         })
     }
 }
@@ -309,7 +284,7 @@ mod tests {
     use super::*;
     use crate::exchange::export;
     use crate::exchange::tests::{export_as, text_of, with_clicks};
-    use crate::exchange::{ExportOptions, Format, KeypointNames};
+    use crate::exchange::{ExportOptions, Format, ImportOptions, KeypointNames};
     use std::path::Path;
 
     #[test]

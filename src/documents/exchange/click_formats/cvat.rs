@@ -5,10 +5,8 @@
 //! key frames of tracks are read, because all others are interpolated. Document types and entities
 //! are rejected.
 
-use super::clicked_frame::{
-    ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, picture_path,
-};
-use crate::exchange::error::{ExchangeError, Problem};
+use super::clicked_frame::{ClickFormat, LabelReader, LabelledFrame, Mark, picture_path};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -143,11 +141,9 @@ fn points(shape: Element<'_>, label: &str, shift: f64) -> Result<Vec<Mark>, Prob
                 .map(|part| number("points", part))
                 .collect::<Result<Vec<_>, _>>()?;
             let found = coordinates.len();
-            let [x, y]: [f64; 2] = coordinates.try_into().map_err(|_| Problem::Count {
-                what: "coordinates of a point".to_owned(),
-                wanted: 2,
-                found,
-            })?;
+            let [x, y]: [f64; 2] = coordinates
+                .try_into()
+                .map_err(|_| Problem::wrong_count("coordinates of a point", 2, found))?;
             Ok(Mark::new(
                 label.to_owned(),
                 ImagePoint::new(x + shift, y + shift),
@@ -241,10 +237,7 @@ pub(in crate::exchange) fn parse_annotations(text: &str) -> Result<Xml<'_>, Prob
         return Ok(xml);
     }
     let found = format!("it begins with <{}>", shorten(root));
-    Err(Problem::NotFormat {
-        wanted: "CVAT's XML",
-        found,
-    })
+    Err(Problem::not_format("CVAT's XML", found))
 }
 
 /// The names of the tasks of a project, by their ids.
@@ -306,20 +299,19 @@ fn read_image(
         None => name,
     };
     let size = ImageSize::new(side(image, "width")?, side(image, "height")?);
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        image: Some(name.clone()),
-        name,
+    Ok(LabelledFrame::new(
+        &name,
+        Some(name.clone()),
         size,
-        marks: marks_of_image(image, shift)?,
-    })
+        marks_of_image(image, shift)?,
+    ))
 }
 
 fn read_file(
     (file, bytes): (&str, &[u8]),
-    options: &ImportOptions,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
+    let options = reading.options;
     let xml = parse_annotations(text(bytes)?)?;
     let root = xml.root_element();
     let shift = options.shift_to_corner_px();
@@ -330,7 +322,7 @@ fn read_file(
         let name = image
             .attribute("name")
             .unwrap_or("a picture without a name");
-        frames.extend(unread.keep(file, Some(name), read));
+        frames.extend(reading.keep(file, Some(name), read));
     }
     let tracks = tracks(root, shift)?;
     if !tracks.is_empty() {
@@ -340,13 +332,12 @@ fn read_file(
             .or(options.size)
             .ok_or_else(|| Problem::Missing("<original_size>".to_owned()))?;
         for (number, marks) in tracks {
-            frames.push(LabelledFrame {
-                masks: Vec::new(),
-                name: format!("frame_{number:06}"),
-                image: None,
+            frames.push(LabelledFrame::new(
+                &format!("frame_{number:06}"),
+                None,
                 size,
                 marks,
-            });
+            ));
         }
     }
     Ok(frames)
@@ -368,13 +359,8 @@ impl ClickFormat for Cvat {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|file, bytes| read_file((file, bytes), reading.options, unread))
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        files.read_all(|file, bytes| read_file((file, bytes), reading))
     }
 }
 

@@ -5,10 +5,9 @@
 //! `--annotator`. Names of uploaded files have a prefix before the first `-`.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, Sizes,
-    UnreadLabels, size_needed,
+    ClickContext, ClickFormat, ClickedFrame, LabelReader, LabelledFrame, Mark, Sizes, size_needed,
 };
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, base_name};
 use crate::exchange::format::About;
 use crate::exchange::format_options::{self, FormatOption};
@@ -185,10 +184,7 @@ fn read_task(
             .is_some_and(|turn| turn.value().as_f64() != Some(0.0))
         {
             let what = format!("{}.image_rotation", result.path());
-            return Err(Problem::Unsupported {
-                what,
-                why: "rotate the picture itself",
-            });
+            return Err(Problem::not_supported(what, "rotate the picture itself"));
         }
         if let Some(of_result) = result.find_size("original_width", "original_height")? {
             size = Some(of_result);
@@ -201,13 +197,7 @@ fn read_task(
         marks.extend(marks_of(&value, &labels, known, shift)?);
     }
     let size = size.ok_or_else(|| size_needed(&image))?;
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        name: image.clone(),
-        image: Some(image),
-        size,
-        marks,
-    })
+    Ok(LabelledFrame::new(&image, Some(image.clone()), size, marks))
 }
 
 impl ClickFormat for LabelStudio {
@@ -237,11 +227,7 @@ impl ClickFormat for LabelStudio {
         }
     }
 
-    fn write(
-        &self,
-        frames: &[ClickedFrame],
-        _context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, frames: &[ClickedFrame], _context: &ClickContext<'_>) -> ExchangeResult<Files> {
         let tasks: Vec<Value> = frames
             .iter()
             .enumerate()
@@ -253,18 +239,13 @@ impl ClickFormat for LabelStudio {
         ))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
         files.read_all(|file, bytes| {
             let value = parse(bytes)?;
             let tasks = Node::root(&value).items()?;
             let frames = tasks.filter_map(|task| {
                 let read = read_task(&task, reading.options, reading.sizes);
-                unread.keep(file, Some(&picture_of(&task)), read)
+                reading.keep(file, Some(&picture_of(&task)), read)
             });
             Ok(frames.collect::<Vec<_>>())
         })

@@ -5,10 +5,10 @@
 //! and is not read.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, Sizes,
-    UnreadLabels, picture_path, size_or_option,
+    ClickContext, ClickFormat, ClickedFrame, LabelReader, LabelledFrame, Mark, Sizes, picture_path,
+    size_or_option,
 };
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, folder_prefix, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -72,10 +72,10 @@ fn read_file(
             "a file of {} × {} px for a picture of {} × {}",
             stated.width, stated.height, there.width, there.height
         );
-        return Err(Problem::Unsupported {
+        return Err(Problem::not_supported(
             what,
-            why: "labelme rotates pictures by their EXIF orientation; save it rotated",
-        });
+            "labelme rotates pictures by their EXIF orientation; save it rotated",
+        ));
     }
     let size = size_or_option(&image, stated.or(there), options)?;
     let mut marks = Vec::new();
@@ -95,13 +95,12 @@ fn read_file(
             ));
         }
     }
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        name: without_ending(&image).to_owned(),
-        image: Some(image),
+    Ok(LabelledFrame::new(
+        without_ending(&image),
+        Some(image.clone()),
         size,
         marks,
-    })
+    ))
 }
 
 impl ClickFormat for Labelme {
@@ -124,11 +123,7 @@ impl ClickFormat for Labelme {
         without_ending(&frame.image).to_owned()
     }
 
-    fn write(
-        &self,
-        frames: &[ClickedFrame],
-        _context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, frames: &[ClickedFrame], _context: &ClickContext<'_>) -> ExchangeResult<Files> {
         let mut files = Files::default();
         for frame in frames {
             let name = format!("{}.json", frame.name);
@@ -137,13 +132,8 @@ impl ClickFormat for Labelme {
         Ok(files)
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        let LabelReading { options, sizes } = *reading;
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        let (options, sizes) = (reading.options, reading.sizes);
         files.read_all(|name, bytes| {
             // labelme means a path from the JSON's own folder. A user who says where the images are
             // need not have sorted them as the files.
@@ -152,7 +142,7 @@ impl ClickFormat for Labelme {
             } else {
                 ""
             };
-            Ok(unread.keep(name, None, read_file(bytes, folder, options, sizes)))
+            Ok(reading.keep(name, None, read_file(bytes, folder, options, sizes)))
         })
     }
 }

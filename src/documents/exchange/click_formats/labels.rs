@@ -2,7 +2,7 @@
 
 use super::clicked_frame::LabelledFrame;
 use crate::document::Target;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeError, ExchangeResult, Problem};
 use crate::exchange::options::{KeypointNames, LabelMap};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::field::{Curve, FieldModel};
@@ -175,7 +175,7 @@ impl LabelMap {
     pub(in crate::exchange) fn refuse_other_numbering(
         &self,
         frames: &[LabelledFrame],
-    ) -> Result<(), ExchangeError> {
+    ) -> ExchangeResult<()> {
         let other = match self {
             Self::Roboflow32 => "roboflow-32-captions",
             Self::Roboflow32Captions => "roboflow-32",
@@ -210,7 +210,7 @@ impl LabelMap {
         &self,
         label: &str,
         field: &FieldModel,
-    ) -> Result<Meaning, ExchangeError> {
+    ) -> ExchangeResult<Meaning> {
         Ok(match self {
             Self::Touchline => match ours(label, field).or_else(|| at_place(label, field)) {
                 Some(target) => Meaning::Target(target),

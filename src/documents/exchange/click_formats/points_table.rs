@@ -5,9 +5,9 @@
 //! unless `--pixels` says otherwise; `width` and `height` may state the picture's size.
 
 use super::clicked_frame::{
-    ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, picture_path, size_or_option,
+    ClickFormat, LabelReader, LabelledFrame, Mark, picture_path, size_or_option,
 };
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, ending_of, stem};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -39,11 +39,7 @@ fn sigma_of(sigma_px: f64) -> Result<f64, Problem> {
     if sigma_px > 0.0 {
         return Ok(sigma_px);
     }
-    Err(Problem::OutOfRange {
-        what: "sigma_px".to_owned(),
-        value: sigma_px,
-        wanted: "positive",
-    })
+    Err(Problem::out_of_range("sigma_px", sigma_px, "positive"))
 }
 
 /// The point of a row.
@@ -66,8 +62,7 @@ fn mark_of(row: &TableRow<'_>, options: &ImportOptions) -> Result<Mark, Problem>
 
 fn read_table(
     (file, bytes): (&str, &[u8]),
-    reading: &LabelReading<'_>,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let table = Table::read(bytes)?;
     table.needs(&COLUMNS)?;
@@ -81,18 +76,17 @@ fn read_table(
         } else {
             let own = size_of(&row)?.or_else(|| (reading.sizes)(&name));
             at.insert(name.clone(), frames.len());
-            frames.push(LabelledFrame {
-                masks: Vec::new(),
-                size: size_or_option(&name, own, reading.options)?,
-                image: Some(name.clone()),
-                name,
-                marks: Vec::new(),
-            });
+            frames.push(LabelledFrame::new(
+                &name,
+                Some(name.clone()),
+                size_or_option(&name, own, reading.options)?,
+                Vec::new(),
+            ));
             frames.len() - 1
         };
         let read = mark_of(&row, reading.options);
         let frame = &mut frames[index];
-        let mark = unread.keep(file, Some(&frame.name), read);
+        let mark = reading.keep(file, Some(&frame.name), read);
         frame.marks.extend(mark);
     }
     Ok(frames)
@@ -101,8 +95,7 @@ fn read_table(
 /// The points of one picture, which has the name of the file.
 fn read_object(
     (file, bytes): (&str, &[u8]),
-    reading: &LabelReading<'_>,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<LabelledFrame, Problem> {
     let value = parse(bytes)?;
     let shift_px = reading.options.shift_to_corner_px();
@@ -112,15 +105,14 @@ fn read_object(
             let at = ImagePoint::new(x + shift_px, y + shift_px);
             Mark::new(label.to_owned(), at)
         });
-        marks.extend(unread.keep(file, Some(&name), read));
+        marks.extend(reading.keep(file, Some(&name), read));
     }
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        size: size_or_option(&name, (reading.sizes)(&name), reading.options)?,
-        image: None,
-        name,
+    Ok(LabelledFrame::new(
+        &name,
+        None,
+        size_or_option(&name, (reading.sizes)(&name), reading.options)?,
         marks,
-    })
+    ))
 }
 
 impl ClickFormat for PointsTable {
@@ -139,24 +131,19 @@ impl ClickFormat for PointsTable {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
         files.read_all(|file, bytes| {
             if ending_of(file) == "json" {
-                return Ok(vec![read_object((file, bytes), reading, unread)?]);
+                return Ok(vec![read_object((file, bytes), reading)?]);
             }
-            read_table((file, bytes), reading, unread)
+            read_table((file, bytes), reading)
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::clicked_frame::{read_alone, read_labels};
+    use super::super::clicked_frame::{LabelReading, read_alone, read_labels};
     use super::*;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);

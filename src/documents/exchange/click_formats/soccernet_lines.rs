@@ -7,15 +7,14 @@
 //! SoccerNet/sn-gamestate.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, UnreadLabels,
-    size_or_option,
+    ClickContext, ClickFormat, ClickedFrame, LabelReader, LabelledFrame, size_or_option,
 };
 use super::coco::range_of;
 use super::labels::SOCCERNET_LINES;
 use super::soccernet_pictures::{ManyPictures, marks_of_shares};
 use crate::document::{Click, Target};
 use crate::exchange::cameras::camera_format::has_ending;
-use crate::exchange::error::ExchangeError;
+use crate::exchange::error::ExchangeResult;
 use crate::exchange::files::{Files, base_name, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
@@ -127,11 +126,7 @@ impl ClickFormat for SoccerNetLines {
         without_ending(&frame.image).to_owned()
     }
 
-    fn write(
-        &self,
-        frames: &[ClickedFrame],
-        context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> ExchangeResult<Files> {
         let mut files = Files::default();
         for frame in frames {
             files.add(
@@ -149,28 +144,17 @@ impl ClickFormat for SoccerNetLines {
         has_ending(name, "json") && !other
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
         files.read_all(|file, bytes| {
             let value = parse(bytes);
             if let Some(kind) = ManyPictures::of_file(file, value.as_ref().ok()) {
-                return kind.read(file, &Node::root(&value?), reading.options.masks, unread);
+                return kind.read(file, &Node::root(&value?), reading);
             }
             let path = without_ending(file);
             let size = size_or_option(path, (reading.sizes)(path), reading.options)?;
             let marks = value.and_then(|value| marks_of_shares(&Node::root(&value), size));
-            let marks = unread.keep(file, None, marks);
-            let frame = marks.map(|marks| LabelledFrame {
-                masks: Vec::new(),
-                name: path.to_owned(),
-                image: None,
-                size,
-                marks,
-            });
+            let marks = reading.keep(file, None, marks);
+            let frame = marks.map(|marks| LabelledFrame::new(path, None, size, marks));
             Ok(frame.into_iter().collect())
         })
     }

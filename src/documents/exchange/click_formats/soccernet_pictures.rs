@@ -6,7 +6,7 @@
 //! SoccerNet-v3, with pixels. Source: SoccerNet/sn-gamestate; SoccerNet/SoccerNet-v3,
 //! `dataloader.py`.
 
-use super::clicked_frame::{LabelledFrame, Mark, UnreadLabels};
+use super::clicked_frame::{LabelReader, LabelledFrame, Mark};
 use crate::exchange::error::Problem;
 use crate::exchange::files::{base_name, folder_prefix};
 use crate::exchange::syntax::node::{Node, safe_path};
@@ -66,7 +66,7 @@ impl ManyPictures {
             .then_some(Self::Match)
     }
 
-    /// The pictures of a file. One that is damaged is added to `unread`.
+    /// The pictures of a file. One that is damaged is left out.
     ///
     /// # Errors
     /// The file is damaged as a whole, or a picture's name leads out of the folder.
@@ -74,12 +74,11 @@ impl ManyPictures {
         self,
         file: &str,
         root: &Node<'_>,
-        with_masks: bool,
-        unread: &mut UnreadLabels,
+        reading: &LabelReader<'_>,
     ) -> Result<Vec<LabelledFrame>, Problem> {
         match self {
-            Self::GameState => read_game_state(file, root, with_masks, unread),
-            Self::Match => read_match(file, root, with_masks, unread),
+            Self::GameState => read_game_state(file, root, reading),
+            Self::Match => read_match(file, root, reading),
         }
     }
 }
@@ -127,22 +126,21 @@ impl Unit {
         if (-0.5..=1.5).contains(&share) {
             return Ok(share * side);
         }
-        Err(Problem::OutOfRange {
-            what: coordinate.path().to_owned(),
+        Err(Problem::out_of_range(
+            coordinate.path(),
             value,
-            wanted: match self {
+            match self {
                 Self::Share => "a share of the picture, 0 to 1",
                 Self::Pixel => "a pixel of the picture",
             },
-        })
+        ))
     }
 }
 
 fn read_game_state(
     file: &str,
     root: &Node<'_>,
-    with_masks: bool,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     // The pictures lie in a folder of the clip.
     let folder = root.find("info").and_then(|info| info.find("im_dir"));
@@ -154,18 +152,19 @@ fn read_game_state(
         let name = image.key("file_name")?.text()?;
         let name = safe_path(&format!("{folder}{name}"))?;
         at.insert(image.key("image_id")?.text()?.to_owned(), frames.len());
-        frames.push(LabelledFrame {
-            masks: Vec::new(),
-            image: Some(name.clone()),
-            name,
-            size: image.size_at("width", "height")?,
-            marks: Vec::new(),
-        });
+        frames.push(LabelledFrame::new(
+            &name,
+            Some(name.clone()),
+            image.size_at("width", "height")?,
+            Vec::new(),
+        ));
     }
     for annotation in root.key("annotations")?.items()? {
         // People and the ball have boxes.
         let lines = annotation.find("lines");
-        let found = annotation.find("bbox_image").filter(|_| with_masks);
+        let found = annotation
+            .find("bbox_image")
+            .filter(|_| reading.options.masks);
         if lines.is_none() && found.is_none() {
             continue;
         }
@@ -180,12 +179,12 @@ fn read_game_state(
             let mask = read.map(|[x, y, width, height]| {
                 part_in_picture([x, y, x + width, y + height], frame.size)
             });
-            let mask = unread.keep(file, Some(&frame.name), mask);
+            let mask = reading.keep(file, Some(&frame.name), mask);
             frame.masks.extend(mask.flatten());
         }
         if let Some(lines) = lines {
             let read = marks_of_shares(&lines, frame.size);
-            let marks = unread.keep(file, Some(&frame.name), read);
+            let marks = reading.keep(file, Some(&frame.name), read);
             frame.marks.extend(marks.unwrap_or_default());
         }
     }
@@ -195,16 +194,15 @@ fn read_game_state(
 fn read_match(
     file: &str,
     root: &Node<'_>,
-    with_masks: bool,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let mut frames = Vec::new();
     for key in ["actions", "replays"] {
         for (name, picture) in root.key(key)?.entries()? {
             safe_path(name)?;
             let name = safe_path(&format!("{}{FRAMES_OF_MATCH}/{name}", folder_prefix(file)))?;
-            let read = read_picture(&name, &picture, with_masks);
-            frames.extend(unread.keep(file, Some(&name), read));
+            let read = read_picture(&name, &picture, reading.options.masks);
+            frames.extend(reading.keep(file, Some(&name), read));
         }
     }
     // An action is followed by its replays: 7.png, 7_1.png, 7_2.png, 8.png.
@@ -261,11 +259,11 @@ fn masks_of_boxes(boxes: &Node<'_>, size: ImageSize) -> Result<Vec<PixelBox>, Pr
 fn marks_of_pixels(class: &str, points: &Node<'_>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
     let found = points.count()?;
     if !found.is_multiple_of(2) {
-        return Err(Problem::Count {
-            what: format!("{} (x and y in turn)", points.path()),
-            wanted: found + 1,
+        return Err(Problem::wrong_count(
+            format!("{} (x and y in turn)", points.path()),
+            found + 1,
             found,
-        });
+        ));
     }
     let mut coordinates = points.items()?;
     let mut marks = Vec::with_capacity(found / 2);
@@ -287,12 +285,7 @@ fn part_in_picture([left, top, right, bottom]: [f64; 4], size: ImageSize) -> Opt
         right.min(f64::from(size.width)),
         bottom.min(f64::from(size.height)),
     );
-    (right > left && bottom > top).then_some(PixelBox {
-        x: left,
-        y: top,
-        width: right - left,
-        height: bottom - top,
-    })
+    (right > left && bottom > top).then_some(PixelBox::new(left, top, right - left, bottom - top))
 }
 
 #[cfg(test)]

@@ -7,14 +7,14 @@
 //! the permutation of the points in a mirrored picture.
 
 use super::clicked_frame::{
-    ClickContext, ClickFormat, ClickedFrame, LabelReading, LabelledFrame, Mark, ThirdNumber,
-    UnreadLabels, size_or_option,
+    ClickContext, ClickFormat, ClickedFrame, LabelReader, LabelledFrame, Mark, ThirdNumber,
+    size_or_option,
 };
 use super::coco::{in_order, is_keypoint, range_of};
 use super::labels::keypoints;
 use crate::document::Click;
 use crate::exchange::cameras::camera_format::has_ending;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeError, ExchangeResult, Problem};
 use crate::exchange::files::{Files, base_name, text, without_ending};
 use crate::exchange::format::{About, Format};
 use crate::exchange::format_options::FormatOption;
@@ -152,11 +152,7 @@ fn marks_of(
     let wanted = 5 + 3 * names.map_or(count, <[String]>::len);
     if values.len() != wanted || values.len() < 5 {
         let what = "columns (class, box, and x y v for each keypoint)".to_owned();
-        return Err(Problem::Count {
-            what,
-            wanted: wanted.max(8),
-            found: values.len(),
-        });
+        return Err(Problem::wrong_count(what, wanted.max(8), values.len()));
     }
     let points = values[5..]
         .chunks_exact(3)
@@ -169,11 +165,7 @@ fn marks_of(
         .map(|(index, point)| {
             if third == ThirdNumber::Visibility && ![1.0, 2.0].contains(&point[2]) {
                 let what = format!("the visibility of keypoint {index}");
-                return Err(Problem::OutOfRange {
-                    what,
-                    value: point[2],
-                    wanted: "0, 1 or 2",
-                });
+                return Err(Problem::out_of_range(what, point[2], "0, 1 or 2"));
             }
             // Ultralytics allows this much beyond the border (`verify_image_label`).
             if let Some(value) = point[..2]
@@ -181,11 +173,7 @@ fn marks_of(
                 .find(|value| !(-0.01..=1.01).contains(*value))
             {
                 let what = format!("keypoint {index}");
-                return Err(Problem::OutOfRange {
-                    what,
-                    value: *value,
-                    wanted: "between 0 and 1",
-                });
+                return Err(Problem::out_of_range(what, *value, "between 0 and 1"));
             }
             // There are as many names as points, as `wanted` has it.
             let label = names.map_or_else(|| index.to_string(), |names| names[index].clone());
@@ -224,9 +212,8 @@ fn marks_of_file(
 pub(in crate::exchange) fn read_with(
     third: ThirdNumber,
     files: &Files,
-    reading: &LabelReading<'_>,
-    unread: &mut UnreadLabels,
-) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    reading: &LabelReader<'_>,
+) -> ExchangeResult<Vec<LabelledFrame>> {
     let yaml = files
         .get(DATA)
         .map(text)
@@ -247,18 +234,12 @@ pub(in crate::exchange) fn read_with(
         // `labels/train/a.txt` is of `images/train/a.jpg`, or of a picture beside the labels.
         let own = (reading.sizes)(&at_image).or_else(|| (reading.sizes)(stem));
         let size = size_or_option(&at_image, own, reading.options)?;
-        let marks = unread.keep(
+        let marks = reading.keep(
             file,
             None,
             marks_of_file(bytes, third, names.as_deref(), size),
         );
-        Ok(marks.map(|marks| LabelledFrame {
-            masks: Vec::new(),
-            name: stem.to_owned(),
-            image: Some(at_image),
-            size,
-            marks,
-        }))
+        Ok(marks.map(|marks| LabelledFrame::new(stem, Some(at_image), size, marks)))
     })
 }
 
@@ -311,11 +292,7 @@ impl ClickFormat for YoloPose {
         without_ending(&frame.image).to_owned()
     }
 
-    fn write(
-        &self,
-        frames: &[ClickedFrame],
-        context: &ClickContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, frames: &[ClickedFrame], context: &ClickContext<'_>) -> ExchangeResult<Files> {
         let names = keypoints(context.options.names, context.field);
         let mut files = Files::one(DATA, data_yaml(&names, context.field).into_bytes());
         for frame in frames {
@@ -348,13 +325,8 @@ impl ClickFormat for YoloPose {
         is_label_file(name)
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        read_with(ThirdNumber::Visibility, files, reading, unread)
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        read_with(ThirdNumber::Visibility, files, reading)
     }
 }
 

@@ -25,10 +25,7 @@ pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
         [] => frame.status != FrameStatus::Rejected,
         statuses => statuses.contains(&frame.status),
     };
-    let confidence = frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.confidence);
+    let confidence = frame.confidence();
     let by_confidence = choice
         .min_confidence
         .is_none_or(|least| confidence.is_none_or(|of| of >= least));

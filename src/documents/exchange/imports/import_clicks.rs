@@ -262,12 +262,12 @@ fn unstretch(
         mark.image = ImagePoint::new(mark.image.x * wider, mark.image.y * higher);
     }
     for mask in &mut frame.masks {
-        *mask = PixelBox {
-            x: mask.x * wider,
-            y: mask.y * higher,
-            width: mask.width * wider,
-            height: mask.height * higher,
-        };
+        *mask = PixelBox::new(
+            mask.x * wider,
+            mask.y * higher,
+            mask.width * wider,
+            mask.height * higher,
+        );
     }
     frame.size = size;
     Ok(())

@@ -114,18 +114,16 @@ fn points_of_mot(text: &str) -> Result<PicturePoints, Problem> {
 fn point_of_mot(line: &str) -> Result<(u64, ImagePoint), Problem> {
     let fields: Vec<&str> = line.split(',').collect();
     let &[frame, _, left, top, width, height, ..] = &fields[..] else {
-        return Err(Problem::Count {
-            what: "numbers (frame, id, left, top, width, height)".to_owned(),
-            wanted: MOT_NUMBERS,
-            found: fields.len(),
-        });
+        return Err(Problem::wrong_count(
+            "numbers (frame, id, left, top, width, height)",
+            MOT_NUMBERS,
+            fields.len(),
+        ));
     };
     // MOT counts frames from 1, this program from 0.
     let counted = frame_number("frame", number("frame", frame)?)?;
-    let frame = counted.checked_sub(1).ok_or_else(|| Problem::OutOfRange {
-        what: "frame".to_owned(),
-        value: 0.0,
-        wanted: "1 or more, for MOT counts frames from 1",
+    let frame = counted.checked_sub(1).ok_or_else(|| {
+        Problem::out_of_range("frame", 0.0, "1 or more, for MOT counts frames from 1")
     })?;
     let corner = [number("left", left)?, number("top", top)?];
     let sides = [number("width", width)?, number("height", height)?];

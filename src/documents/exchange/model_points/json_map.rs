@@ -11,9 +11,9 @@
 //! unless `--pixels` says otherwise.
 
 use crate::exchange::click_formats::clicked_frame::{
-    ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, picture_path, size_or_option,
+    ClickFormat, LabelReader, LabelledFrame, Mark, picture_path, size_or_option,
 };
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -91,8 +91,7 @@ fn marks(picture: &Node<'_>, shift_px: f64) -> Result<Vec<Mark>, Problem> {
 
 fn read_map(
     (file, bytes): (&str, &[u8]),
-    reading: &LabelReading<'_>,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     let value = parse(bytes)?;
     let shift_px = reading.options.shift_to_corner_px();
@@ -101,14 +100,8 @@ fn read_map(
         let name = picture_path(name, reading.options)?;
         let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
         let read = marks(&picture, shift_px);
-        if let Some(marks) = unread.keep(file, Some(&name), read) {
-            frames.push(LabelledFrame {
-                masks: Vec::new(),
-                image: Some(name.clone()),
-                name,
-                size,
-                marks,
-            });
+        if let Some(marks) = reading.keep(file, Some(&name), read) {
+            frames.push(LabelledFrame::new(&name, Some(name.clone()), size, marks));
         }
     }
     Ok(frames)
@@ -130,20 +123,15 @@ impl ClickFormat for JsonMap {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|file, bytes| read_map((file, bytes), reading, unread))
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        files.read_all(|file, bytes| read_map((file, bytes), reading))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::click_formats::clicked_frame::{read_alone, read_labels};
+    use crate::exchange::click_formats::clicked_frame::{LabelReading, read_alone, read_labels};
     use crate::exchange::options::ImportOptions;
     use touchline_core::geometry::ImageSize;
 

@@ -5,7 +5,7 @@ use super::pnlcalib::PnlCalibPoints;
 use super::rf_detr::RfDetr;
 use super::scored::{ScoredCoco, ScoredTable, ScoredYolo};
 use crate::exchange::click_formats::clicked_frame::ClickFormat;
-use crate::exchange::error::ExchangeError;
+use crate::exchange::error::ExchangeResult;
 use crate::exchange::format::Format;
 use crate::exchange::format_options::{Direction, FormatOption};
 use crate::exchange::imports::import_clicks::import_clicks;
@@ -66,7 +66,7 @@ impl PointLayout {
     pub fn refuse_options(
         self,
         given: impl IntoIterator<Item = FormatOption>,
-    ) -> Result<(), ExchangeError> {
+    ) -> ExchangeResult<()> {
         let taken = self.reader().about().import_options;
         let what = format!("--points in the layout {}", self.name());
         let is_taken = |option| taken.contains(&option);
@@ -84,7 +84,7 @@ pub fn import_points(
     path: &Path,
     layout: PointLayout,
     options: &ImportOptions,
-) -> Result<Imported, ExchangeError> {
+) -> ExchangeResult<Imported> {
     let folder = crate::exchange::imports::import::folder_of(path);
     import_clicks(path, &folder, Format::Points, layout.reader(), options)
 }

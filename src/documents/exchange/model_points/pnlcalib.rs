@@ -14,9 +14,9 @@
 //! read themselves.
 
 use crate::exchange::click_formats::clicked_frame::{
-    ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, size_or_option,
+    ClickFormat, LabelReader, LabelledFrame, Mark, size_or_option,
 };
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, base_name, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
@@ -171,20 +171,14 @@ fn marks(root: &Node<'_>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
 
 fn read_picture(
     (file, bytes): (&str, &[u8]),
-    reading: &LabelReading<'_>,
+    reading: &LabelReader<'_>,
 ) -> Result<LabelledFrame, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
     root.key("kp")?;
     let name = without_ending(base_name(file)).to_owned();
     let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        marks: marks(&root, size)?,
-        name,
-        image: None,
-        size,
-    })
+    Ok(LabelledFrame::new(&name, None, size, marks(&root, size)?))
 }
 
 impl ClickFormat for PnlCalibPoints {
@@ -224,15 +218,10 @@ impl ClickFormat for PnlCalibPoints {
         LabelMap::Own(all.collect())
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
         files.read_all(|file, bytes| {
             let read = read_picture((file, bytes), reading);
-            Ok(unread.keep(file, None, read))
+            Ok(reading.keep(file, None, read))
         })
     }
 }

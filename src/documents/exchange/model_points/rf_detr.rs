@@ -10,9 +10,9 @@
 //! count from the picture's corner. Boxes are not read.
 
 use crate::exchange::click_formats::clicked_frame::{
-    ClickFormat, LabelReading, LabelledFrame, Mark, UnreadLabels, size_or_option,
+    ClickFormat, LabelReader, LabelledFrame, Mark, size_or_option,
 };
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -34,8 +34,7 @@ fn mark(point: &Node<'_>, shift_px: f64) -> Result<Mark, Problem> {
 
 fn read_picture(
     (file, bytes): (&str, &[u8]),
-    reading: &LabelReading<'_>,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<LabelledFrame, Problem> {
     let value = parse(bytes)?;
     let root = Node::root(&value);
@@ -52,16 +51,15 @@ fn read_picture(
             continue;
         };
         for point in points.items()? {
-            marks.extend(unread.keep(file, Some(point.path()), mark(&point, shift_px)));
+            marks.extend(reading.keep(file, Some(point.path()), mark(&point, shift_px)));
         }
     }
-    Ok(LabelledFrame {
-        masks: Vec::new(),
-        size: size_or_option(&name, own, reading.options)?,
-        image: None,
-        name,
+    Ok(LabelledFrame::new(
+        &name,
+        None,
+        size_or_option(&name, own, reading.options)?,
         marks,
-    })
+    ))
 }
 
 impl ClickFormat for RfDetr {
@@ -80,19 +78,14 @@ impl ClickFormat for RfDetr {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        files.read_all(|file, bytes| Ok(vec![read_picture((file, bytes), reading, unread)?]))
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        files.read_all(|file, bytes| Ok(vec![read_picture((file, bytes), reading)?]))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::click_formats::clicked_frame::read_labels;
+    use super::super::super::click_formats::clicked_frame::{LabelReading, read_labels};
     use super::*;
     use crate::exchange::options::ImportOptions;
     use touchline_core::geometry::ImageSize;

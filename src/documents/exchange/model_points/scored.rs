@@ -1,11 +1,11 @@
 //! Formats of labels with a probability where labels have a visibility: what networks predict.
 
 use crate::exchange::click_formats::clicked_frame::{
-    ClickFormat, LabelReading, LabelledFrame, Mark, ThirdNumber, UnreadLabels, size_or_option,
+    ClickFormat, LabelReader, LabelledFrame, Mark, ThirdNumber, size_or_option,
 };
 use crate::exchange::click_formats::points_table::PointsTable;
 use crate::exchange::click_formats::{coco, yolo_pose};
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -30,11 +30,11 @@ fn marks_of_result(entry: &Node<'_>, shift_px: f64) -> Result<(i64, Vec<Mark>), 
     let points = entry.key("keypoints")?;
     let values = points.all_numbers()?;
     if !values.len().is_multiple_of(3) {
-        return Err(Problem::Count {
-            what: format!("{} (numbers)", points.path()),
-            wanted: values.len().next_multiple_of(3),
-            found: values.len(),
-        });
+        return Err(Problem::wrong_count(
+            format!("{} (numbers)", points.path()),
+            values.len().next_multiple_of(3),
+            values.len(),
+        ));
     }
     let names: Vec<String> = (0..values.len() / 3)
         .map(|index| index.to_string())
@@ -47,8 +47,7 @@ fn marks_of_result(entry: &Node<'_>, shift_px: f64) -> Result<(i64, Vec<Mark>), 
 fn read_results(
     file: &str,
     root: &Node<'_>,
-    reading: &LabelReading<'_>,
-    unread: &mut UnreadLabels,
+    reading: &LabelReader<'_>,
 ) -> Result<Vec<LabelledFrame>, Problem> {
     // COCO counts from pixel centres.
     let shift_px = reading
@@ -59,18 +58,14 @@ fn read_results(
     let mut frames: BTreeMap<i64, LabelledFrame> = BTreeMap::new();
     for entry in root.items()? {
         let read = marks_of_result(&entry, shift_px);
-        let Some((id, marks)) = unread.keep(file, Some(entry.path()), read) else {
+        let Some((id, marks)) = reading.keep(file, Some(entry.path()), read) else {
             continue;
         };
         let name = id.to_string();
         let size = size_or_option(&name, (reading.sizes)(&name), reading.options)?;
-        let frame = frames.entry(id).or_insert_with(|| LabelledFrame {
-            masks: Vec::new(),
-            name,
-            image: None,
-            size,
-            marks: Vec::new(),
-        });
+        let frame = frames
+            .entry(id)
+            .or_insert_with(|| LabelledFrame::new(&name, None, size, Vec::new()));
         frame.marks.extend(marks);
     }
     Ok(frames.into_values().collect())
@@ -85,23 +80,13 @@ impl ClickFormat for ScoredCoco {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
         files.read_all(|file, bytes| {
             let value = parse(bytes)?;
             if value.is_array() {
-                return read_results(file, &Node::root(&value), reading, unread);
+                return read_results(file, &Node::root(&value), reading);
             }
-            coco::read_with(
-                ThirdNumber::Probability,
-                (file, bytes),
-                reading.options,
-                unread,
-            )
+            coco::read_with(ThirdNumber::Probability, (file, bytes), reading)
         })
     }
 }
@@ -119,13 +104,8 @@ impl ClickFormat for ScoredYolo {
         yolo_pose::is_label_file(name)
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        yolo_pose::read_with(ThirdNumber::Probability, files, reading, unread)
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        yolo_pose::read_with(ThirdNumber::Probability, files, reading)
     }
 }
 
@@ -139,13 +119,8 @@ impl ClickFormat for ScoredTable {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        reading: &LabelReading<'_>,
-        unread: &mut UnreadLabels,
-    ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        PointsTable.read(files, reading, unread)
+    fn read(&self, files: &Files, reading: &LabelReader<'_>) -> ExchangeResult<Vec<LabelledFrame>> {
+        PointsTable.read(files, reading)
     }
 }
 

@@ -146,11 +146,7 @@ impl<'a> Node<'a> {
         if value > 0.0 {
             return Ok(value);
         }
-        Err(Problem::OutOfRange {
-            what: self.path().to_owned(),
-            value,
-            wanted: "above 0",
-        })
+        Err(Problem::out_of_range(self.path(), value, "above 0"))
     }
 
     /// A side of a picture.
@@ -195,11 +191,11 @@ impl<'a> Node<'a> {
         let mut stated = keys.iter().zip(angles);
         match stated.find(|(_, angle_deg)| angle_deg.abs() > MOST_DEG) {
             None => Ok(angles),
-            Some((key, value)) => Err(Problem::OutOfRange {
-                what: self.key(key)?.path().to_owned(),
+            Some((key, value)) => Err(Problem::out_of_range(
+                self.key(key)?.path(),
                 value,
-                wanted: "an angle in degrees",
-            }),
+                "an angle in degrees",
+            )),
         }
     }
 
@@ -213,11 +209,11 @@ impl<'a> Node<'a> {
         {
             return Ok(numbers);
         }
-        Err(Problem::Count {
-            what: format!("{} (numbers)", self.path()),
-            wanted: N,
+        Err(Problem::wrong_count(
+            format!("{} (numbers)", self.path()),
+            N,
             found,
-        })
+        ))
     }
 
     /// All numbers of a list.

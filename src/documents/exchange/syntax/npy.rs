@@ -123,7 +123,7 @@ impl<'a> Header<'a> {
         refuse_archive(bytes)?;
         let rest = bytes
             .strip_prefix(MAGIC)
-            .ok_or_else(|| wrong(wanted, "the magic bytes are missing"))?;
+            .ok_or_else(|| Problem::not_format(wanted, "the magic bytes are missing"))?;
         // Version 1 has a length of two bytes, versions 2 and 3 of four; the minor version does not
         // matter.
         let (length, rest) = match rest {
@@ -132,18 +132,21 @@ impl<'a> Header<'a> {
                 (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest)
             }
             [version, ..] if *version > 3 || *version == 0 => {
-                return Err(wrong(wanted, format!("version {version}")));
+                return Err(Problem::not_format(wanted, format!("version {version}")));
             }
             _ => return Err(too_short(wanted, bytes.len())),
         };
         if length > MAX_HEADER {
-            return Err(wrong(wanted, format!("a header of {length} bytes")));
+            return Err(Problem::not_format(
+                wanted,
+                format!("a header of {length} bytes"),
+            ));
         }
         let text = rest
             .get(..length)
             .ok_or_else(|| too_short(wanted, bytes.len()))?;
-        let text =
-            std::str::from_utf8(text).map_err(|_| wrong(wanted, "a header that is not text"))?;
+        let text = std::str::from_utf8(text)
+            .map_err(|_| Problem::not_format(wanted, "a header that is not text"))?;
         // Without blanks the keys can be searched for in any order and spacing; no value that is
         // read here has a blank of its own.
         let text: String = text
@@ -154,10 +157,7 @@ impl<'a> Header<'a> {
         // read.
         if text.contains("'descr':'|O'") || text.contains("'descr':\"|O\"") {
             let why = "reading it would run code; save the matrix as float64";
-            return Err(Problem::Unsupported {
-                what: "an object array".to_owned(),
-                why,
-            });
+            return Err(Problem::not_supported("an object array", why));
         }
         let shape = text
             .split("'shape':(")
@@ -186,7 +186,7 @@ impl<'a> Header<'a> {
             .find(|(name, _, _)| *name == self.kind)
         else {
             let found = format!("numbers of the type {}", shorten(&self.kind));
-            return Err(wrong(wanted, found));
+            return Err(Problem::not_format(wanted, found));
         };
         // A trailing comma, as in `(5,)`, leaves an empty part. No side at all is a single number.
         let sides = self.shape.split(',').filter(|side| !side.is_empty());
@@ -238,19 +238,12 @@ fn fortran_index(c_index: usize, shape: &[usize], count: usize) -> usize {
     index
 }
 
-fn wrong(wanted: &'static str, found: impl Into<String>) -> Problem {
-    Problem::NotFormat {
-        wanted,
-        found: found.into(),
-    }
-}
-
 fn wrong_shape(wanted: &'static str, shape: &str) -> Problem {
-    wrong(wanted, format!("the shape is ({})", shorten(shape)))
+    Problem::not_format(wanted, format!("the shape is ({})", shorten(shape)))
 }
 
 fn too_short(wanted: &'static str, length_bytes: usize) -> Problem {
-    wrong(wanted, format!("it ends after {length_bytes} bytes"))
+    Problem::not_format(wanted, format!("it ends after {length_bytes} bytes"))
 }
 
 #[cfg(test)]

@@ -58,10 +58,7 @@ struct Entry {
 }
 
 fn wrong(found: impl Into<String>) -> Problem {
-    Problem::NotFormat {
-        wanted: "an archive as numpy.savez writes it (.npz)",
-        found: found.into(),
-    }
+    Problem::not_format("an archive as numpy.savez writes it (.npz)", found)
 }
 
 /// The error of an archive without its table.
@@ -120,10 +117,7 @@ impl<'a> Npz<'a> {
             let (name, entry, next) = entry_at(bytes, at).ok_or_else(damaged_table)?;
             let key = name.strip_suffix(".npy").unwrap_or(&name).to_owned();
             if entries.insert(key, entry).is_some() {
-                return Err(Problem::Twice {
-                    what: "the array",
-                    name: shorten(&name),
-                });
+                return Err(Problem::twice("the array", shorten(&name)));
             }
             at = next;
         }
@@ -160,10 +154,10 @@ impl<'a> Npz<'a> {
 
     fn unpack(&self, name: &str, entry: Entry) -> Result<Vec<u8>, Problem> {
         if entry.flags & ENCRYPTED != 0 {
-            return Err(Problem::Unsupported {
-                what: format!("the array {name}"),
-                why: "it is encrypted",
-            });
+            return Err(Problem::not_supported(
+                format!("the array {name}"),
+                "it is encrypted",
+            ));
         }
         // Before anything is unpacked: a few kilobytes may state, and unpack to, gigabytes.
         if entry.unpacked as u64 > MAX_FILE_BYTES {
@@ -189,10 +183,10 @@ impl<'a> Npz<'a> {
             }
             other => {
                 let what = format!("the array {name}, packed by method {other}");
-                return Err(Problem::Unsupported {
+                return Err(Problem::not_supported(
                     what,
-                    why: "save it with numpy.savez or numpy.savez_compressed",
-                });
+                    "save it with numpy.savez or numpy.savez_compressed",
+                ));
             }
         };
         if unpacked.len() != entry.unpacked || crc32fast::hash(&unpacked) != entry.crc {

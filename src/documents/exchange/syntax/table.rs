@@ -91,10 +91,7 @@ impl Table {
         // ignored.
         for (index, name) in header.iter().enumerate() {
             if header[..index].contains(name) {
-                return Err(Problem::Twice {
-                    what: "the column",
-                    name: shorten(name),
-                });
+                return Err(Problem::twice("the column", shorten(name)));
             }
         }
         // With as many fields in each row as in the header, a field is found by its column's
@@ -102,11 +99,7 @@ impl Table {
         for index in 1..fields.rows() {
             let found = fields.row(index).len();
             if found != header.len() {
-                let problem = Problem::Count {
-                    what: "fields".to_owned(),
-                    wanted: header.len(),
-                    found,
-                };
+                let problem = Problem::wrong_count("fields", header.len(), found);
                 return Err(problem.at_line(fields.row_lines[index]));
             }
         }
@@ -237,10 +230,7 @@ fn split(text: &str) -> Result<Fields, Problem> {
                 fields.end_field();
                 if fields.row(fields.rows()).len() >= MAX_COLUMNS {
                     let found = format!("line {row_line} has more than {MAX_COLUMNS} columns");
-                    return Err(Problem::NotFormat {
-                        wanted: "a table",
-                        found,
-                    });
+                    return Err(Problem::not_format("a table", found));
                 }
             }
             // Lines may end as on Windows.
@@ -258,10 +248,7 @@ fn split(text: &str) -> Result<Fields, Problem> {
         }
     }
     if quoted {
-        return Err(Problem::NotFormat {
-            wanted: "a table",
-            found: "a quote is never closed".to_owned(),
-        });
+        return Err(Problem::not_format("a table", "a quote is never closed"));
     }
     // The last line may lack its line break.
     fields.end_field();

@@ -14,11 +14,11 @@ pub fn side_px(what: &str, value: f64) -> Result<u32, Problem> {
     if ImageSize::is_side_px(value) && value.fract() == 0.0 {
         return Ok(value as u32);
     }
-    Err(Problem::OutOfRange {
-        what: what.to_owned(),
+    Err(Problem::out_of_range(
+        what,
         value,
-        wanted: "a whole number from 1 to 65535",
-    })
+        "a whole number from 1 to 65535",
+    ))
 }
 
 /// The number of a frame, counted from 0.
@@ -29,11 +29,11 @@ pub fn frame_number(what: &str, value: f64) -> Result<u64, Problem> {
     if (0.0..=MAX_FRAME).contains(&value) && value.fract() == 0.0 {
         return Ok(value as u64);
     }
-    Err(Problem::OutOfRange {
-        what: what.to_owned(),
+    Err(Problem::out_of_range(
+        what,
         value,
-        wanted: "a whole number from 0 to 10^12",
-    })
+        "a whole number from 0 to 10^12",
+    ))
 }
 
 /// The entry of a list of coefficients; one that the list does not have is zero.
@@ -48,10 +48,10 @@ pub fn coefficient(list: &[f64], index: usize) -> f64 {
 /// One of them is not zero; it is named.
 pub fn refuse_further_coefficients(others: &[f64]) -> Result<(), Problem> {
     match others.iter().find(|value| **value != 0.0) {
-        Some(value) => Err(Problem::Unsupported {
-            what: format!("a distortion coefficient of {value} beyond k1 and k2"),
-            why: "the document's lens has k1 and k2 only",
-        }),
+        Some(value) => Err(Problem::not_supported(
+            format!("a distortion coefficient of {value} beyond k1 and k2"),
+            "the document's lens has k1 and k2 only",
+        )),
         None => Ok(()),
     }
 }

@@ -6,7 +6,6 @@ use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Stroke, Vec2, pos2};
 use touchline_core::markings::LineVerdict;
 use touchline_documents::document::FrameStatus;
 
-/// The letter of a status.
 pub const fn status_letter(status: FrameStatus) -> char {
     match status {
         FrameStatus::New => 'N',

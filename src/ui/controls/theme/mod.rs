@@ -36,8 +36,44 @@ pub fn section(ui: &mut egui::Ui, text: &str) {
 
 /// A secondary text that wraps.
 pub fn weak_text(ui: &mut egui::Ui, text: impl Into<String>) {
-    let text = egui::RichText::new(text).color(ui.palette().weak);
-    ui.add(egui::Label::new(text).wrap());
+    wrap_label(ui, egui::RichText::new(text).color(ui.palette().weak));
+}
+
+/// A small secondary text that wraps.
+pub fn small_weak_text(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
+    wrap_label(
+        ui,
+        egui::RichText::new(text).small().color(ui.palette().weak),
+    )
+}
+
+/// A text that wraps.
+pub fn text(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
+    wrap_label(ui, egui::RichText::new(text).color(ui.palette().text))
+}
+
+/// An emphasised text that wraps.
+pub fn strong_text(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
+    wrap_label(ui, egui::RichText::new(text).color(ui.palette().strong))
+}
+
+fn wrap_label(ui: &mut egui::Ui, text: egui::RichText) -> egui::Response {
+    ui.add(egui::Label::new(text).wrap())
+}
+
+/// A secondary label.
+pub fn weak(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
+    ui.label(egui::RichText::new(text).color(ui.palette().weak))
+}
+
+/// A small secondary label.
+pub fn small_weak(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
+    ui.label(egui::RichText::new(text).small().color(ui.palette().weak))
+}
+
+/// An emphasised label.
+pub fn strong(ui: &mut egui::Ui, text: impl Into<String>) -> egui::Response {
+    ui.label(egui::RichText::new(text).color(ui.palette().strong))
 }
 
 /// The ground for marks in colours that are made for pictures, which are dark: transparent in the
@@ -118,7 +154,6 @@ fn space(spacing: &mut egui::Spacing) {
     spacing.scroll = egui::style::ScrollStyle::thin();
 }
 
-/// The colours of a theme.
 fn colour(visuals: &mut egui::Visuals, theme: Theme) {
     *visuals = theme.default_visuals();
     let palette = Palette::from_theme(theme);

@@ -39,7 +39,6 @@ pub struct Palette {
     pub accent: Color32,
     /// The accent under the pointer.
     pub accent_hovered: Color32,
-    /// The accent as a ground.
     pub accent_ground: Color32,
     /// Letters on the accent and on the colours of verdicts.
     pub on_accent: Color32,

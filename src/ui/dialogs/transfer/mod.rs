@@ -10,6 +10,7 @@ mod typed;
 
 use super::{cancel, sheet};
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::Themed as _;
 use egui::{
     Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2,
@@ -98,11 +99,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     // While a dataset or export is written, it can only be stopped.
     if let Some(running) = transfer.writing() {
         let written = running.progress().copied();
-        if ui
-            .button("Stop")
-            .on_hover_text("End it; nothing is written.")
-            .clicked()
-        {
+        if show_button(ui, Button::new("Stop"), "End it; nothing is written.") {
             push(TransferAction::Stop);
         }
         progress(ui, written);
@@ -131,7 +128,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
             let mend = Button::new("Import and mend").fill(palette.accent_ground);
             let tip = "Import them, then put all of them on one camera and its painted lines. \
                        Two steps of undo. (Enter)";
-            if ui.add(mend).on_hover_text(tip).clicked() || entered {
+            if show_button(ui, mend, tip) || entered {
                 push(TransferAction::TakeOverAndMend);
             }
         }

@@ -13,7 +13,6 @@ use touchline_documents::exchange::{
 const EXPORT: &str = "export";
 const IMPORT: &str = "import";
 
-/// The options of an export in this format.
 pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) {
     let takes = |option| format.takes(option, Direction::Export);
     if takes(FormatOption::Size) {
@@ -132,7 +131,6 @@ fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
     }
 }
 
-/// The options of an import of this format.
 pub fn import_options(ui: &mut Ui, format: Format, options: &mut ImportOptions) {
     let takes = |option| format.takes(option, Direction::Import);
     if takes(FormatOption::Map) {
@@ -199,7 +197,6 @@ fn homographies(ui: &mut Ui, options: &mut HomographyOptions) {
     });
 }
 
-/// The name of a column.
 fn column(ui: &mut Ui, name: &str, tip: &str, example: &str, column: &mut Option<String>) {
     let typed = Typed {
         page: IMPORT,
@@ -269,7 +266,6 @@ fn rate(ui: &mut Ui, rate: &mut Option<Rate>) {
     typed.show(ui, rate);
 }
 
-/// The width of the sensor, mm.
 fn sensor(ui: &mut Ui, page: &str, width_mm: &mut Option<f64>) {
     let tip = "Of the camera, mm, where its panel does not know it: lengths in mm follow from it.";
     let typed = Typed {

@@ -107,16 +107,14 @@ fn context_menu(panel: &mut Panel<'_>, ui: &mut Ui) {
     // Commands for all selected frames stand apart, under their number.
     let selected = panel.app.session.frames_selected.len();
     if selected > 1 {
-        ui.label(
-            egui::RichText::new(format!("{selected} frames selected")).color(ui.palette().strong),
-        );
+        theme::strong(ui, format!("{selected} frames selected"));
         menu::entries(
             panel,
             ui,
             &[Command::AcceptStretch, Command::AssignToCamera],
         );
         ui.separator();
-        ui.label(egui::RichText::new("This frame").color(ui.palette().weak));
+        theme::weak(ui, "This frame");
     }
     menu::entries(
         panel,
@@ -287,11 +285,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
 /// The confidence of a suggestion; `None` for a frame of another status.
 fn confidence(frame: &Frame) -> Option<f64> {
     let suggested = frame.status == FrameStatus::Suggested;
-    frame
-        .solution
-        .as_ref()
-        .filter(|_| suggested)
-        .and_then(|solution| solution.confidence)
+    frame.confidence().filter(|_| suggested)
 }
 
 /// The largest rectangle of a picture's shape in the middle of a box.
@@ -306,7 +300,7 @@ fn tooltip(response: &Response, index: usize, frame: &Frame, paint: Option<LineC
     let mut tooltip = Tooltip::for_enabled(response);
     tooltip.popup = tooltip.popup.align(RectAlign::TOP_START);
     tooltip.show(|ui| {
-        ui.label(egui::RichText::new(file_name(&frame.name())).color(ui.palette().strong));
+        theme::strong(ui, file_name(&frame.name()));
         let reason = frame
             .reason
             .map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
@@ -324,7 +318,7 @@ fn tooltip(response: &Response, index: usize, frame: &Frame, paint: Option<LineC
             ui.label(sentence(&says.describe()));
         }
         if let Some(time) = frame.video.as_ref().and_then(|video| video.pts_s) {
-            ui.label(egui::RichText::new(format!("{time:.3} s")).color(ui.palette().weak));
+            theme::weak(ui, format!("{time:.3} s"));
         }
         for warning in frame.solution.iter().flat_map(Solution::warnings_of_frame) {
             ui.label(egui::RichText::new(&warning.message).color(ui.palette().caution));

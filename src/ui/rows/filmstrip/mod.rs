@@ -6,7 +6,7 @@ mod item;
 mod strip;
 
 use crate::ui::Panel;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
 use strip::{Strip, StripCell};
 use touchline_application::app::ViewAction;
@@ -83,10 +83,9 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
         needed => format!("{} to do", thousands(needed)),
     };
     let tip = "Frames that are neither accepted nor marked as not calibratable";
-    ui.label(RichText::new(needed).small().color(ui.palette().weak))
-        .on_hover_text(
-            reasons.map_or_else(|| format!("{tip}."), |reasons| format!("{tip}: {reasons}.")),
-        );
+    theme::small_weak(ui, needed).on_hover_text(
+        reasons.map_or_else(|| format!("{tip}."), |reasons| format!("{tip}: {reasons}.")),
+    );
 }
 
 /// Shows the frames in view, and remembers where they are.
@@ -102,7 +101,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     if strip.cells.is_empty() {
         ui.centered_and_justified(|ui| {
             let none = format!("No frame is “{}”.", app.session.filter.label());
-            ui.label(RichText::new(none).color(ui.palette().weak));
+            theme::weak(ui, none);
         });
         return;
     }

@@ -22,7 +22,6 @@ const FOLDED: usize = 4;
 /// A cell of the strip. Frames are given by their positions in the document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StripCell {
-    /// One frame.
     Frame(usize),
     /// A run of frames of one shot without an answer from the forest.
     Unanswered {

@@ -2,8 +2,9 @@
 //! disk. A click shows more about each or cancels it.
 
 use super::document_name::{LONGEST_NAME, file_name, shorten_text};
+use crate::ui::controls::show_button;
 use crate::ui::controls::symbol;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::{Panel, key_in_brackets};
 use egui::{Button, Color32, Response, RichText, Ui};
 use touchline_application::app::session::Saving;
@@ -18,18 +19,17 @@ pub(super) fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
             .fill(ui.palette().caution)
             .small();
         let tip = "Another program changed the document. It is not written until you choose which version to keep.";
-        if ui.add(choose).on_hover_text(tip).clicked() {
+        if show_button(ui, choose, tip) {
             panel.actions.push(Action::AskOutside);
         }
     }
     match &panel.app.session.disk.saving {
         Saving::Untouched => {}
         Saving::Pending => {
-            ui.label(RichText::new("saving…").color(ui.palette().weak))
-                .on_hover_text("The last edit is being written to disk.");
+            theme::weak(ui, "saving…").on_hover_text("The last edit is being written to disk.");
         }
         Saving::Saved { at } => {
-            ui.label(RichText::new(format!("saved {at}")).color(ui.palette().weak))
+            theme::weak(ui, format!("saved {at}"))
                 .on_hover_text("Every edit is on disk. You do not have to save.");
         }
         Saving::Failed { message, since } => {
@@ -74,8 +74,7 @@ pub(super) fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     let thumbnails = panel.pictures.thumbnails_in_view();
     if thumbnails.done < thumbnails.wanted {
         let text = format!("thumbnails {}/{}", thumbnails.done, thumbnails.wanted);
-        ui.label(RichText::new(text).small().color(ui.palette().weak))
-            .on_hover_text("Thumbnails of the frames in view.");
+        theme::small_weak(ui, text).on_hover_text("Thumbnails of the frames in view.");
     }
 }
 

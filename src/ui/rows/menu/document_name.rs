@@ -1,7 +1,7 @@
 //! The middle of the top row: the name of the open document, with its frame and shot. Long names
 //! are shortened in the middle.
 
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{RichText, Ui};
 use std::path::Path;
 use touchline_application::app::App;
@@ -47,8 +47,7 @@ pub(super) fn place(app: &App, ui: &mut Ui) {
             ));
         if let Some(clip) = &frame.clip {
             let shot = format!("shot {}", shorten_text(&clip.to_string(), LONGEST_NAME / 2));
-            ui.label(RichText::new(shot).color(ui.palette().weak))
-                .on_hover_text(format!("The frame's shot, {clip}"));
+            theme::weak(ui, shot).on_hover_text(format!("The frame's shot, {clip}"));
         }
         ui.add(
             egui::Label::new(RichText::new(file_name(&frame.name())).color(ui.palette().weak))

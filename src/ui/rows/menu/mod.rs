@@ -8,6 +8,7 @@ mod background_work;
 mod contents;
 mod document_name;
 
+use crate::ui::controls::show_button;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{symbol, theme};
@@ -217,11 +218,11 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.add_enabled_ui(!none, |ui| {
         let opened = ui.menu_button("Open recent", |ui| {
             for document in &panel.app.settings.recent {
-                if ui
-                    .button(document_name(&document.file))
-                    .on_hover_text(document.file.display().to_string())
-                    .clicked()
-                {
+                if show_button(
+                    ui,
+                    Button::new(document_name(&document.file)),
+                    document.file.display().to_string(),
+                ) {
                     panel.actions.push(Action::Open(document.file.clone()));
                     ui.close();
                 }

@@ -237,9 +237,9 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
             .and_then(|video| video.pts_s)
             .map(time_code)
             .unwrap_or_default();
-        ui.label(
-            egui::RichText::new(format!("Frame {} · {time}", open.frame_number(position)))
-                .color(ui.palette().strong),
+        theme::strong(
+            ui,
+            format!("Frame {} · {time}", open.frame_number(position)),
         );
         let shot = frame
             .clip
@@ -247,18 +247,15 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
             .map(|clip| format!(" · shot {clip}"))
             .unwrap_or_default();
         ui.label(format!("{}{shot}", status_label(frame.status)));
-        let confidence = frame
-            .solution
-            .as_ref()
-            .and_then(|solution| solution.confidence);
+        let confidence = frame.confidence();
         if let Some(confidence) = confidence.filter(|_| frame.status == FrameStatus::Suggested) {
             ui.label(format!("Confidence {}", percent(confidence)));
         }
         if let Some(cut) = cut {
-            ui.label(egui::RichText::new(describe_cut(cut.kind)).color(ui.palette().weak));
+            theme::weak(ui, describe_cut(cut.kind));
         }
         if app.shots().is_none() && app.operations.shot_search.running().is_none() {
-            ui.label(egui::RichText::new("Right-click: cuts").color(ui.palette().weak));
+            theme::weak(ui, "Right-click: cuts");
         }
     });
 }

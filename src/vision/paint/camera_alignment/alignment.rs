@@ -86,11 +86,11 @@ impl LinearisedCamera {
         // hardly determines the zoom, a step of it may be of any size: hence the limit.
         let change = step.component_mul(&self.ptz_per_px);
         let ptz = self.camera.ptz();
-        Ptz {
-            pan: (ptz.pan + Angle::from_radians(change.x)).wrap(),
-            tilt: ptz.tilt + Angle::from_radians(change.y),
-            focal_px: ptz.focal_px * change.z.clamp(-MAX_LOG_FOCAL, MAX_LOG_FOCAL).exp(),
-        }
+        Ptz::new(
+            (ptz.pan + Angle::from_radians(change.x)).wrap(),
+            ptz.tilt + Angle::from_radians(change.y),
+            ptz.focal_px * change.z.clamp(-MAX_LOG_FOCAL, MAX_LOG_FOCAL).exp(),
+        )
     }
 
     /// Converts a derivative by (pan rad, tilt rad, focal length px) into one by a step.

@@ -92,25 +92,6 @@ impl Tree {
         start as usize..self.leaf_ends[leaf] as usize
     }
 
-    /// Root mean square spread of the rays of all samples of a leaf, rad.
-    fn spread(&self, leaf: usize) -> f64 {
-        let rays = &self.rays[self.leaf_range(leaf)];
-        // Pan relative to the first ray, so that ±180° is no seam.
-        let first = rays.first().map_or(Angle::ZERO, MeanRay::pan);
-        let mean_pan = weighted_mean(rays, |ray| ray.pan().turn_from(first).radians());
-        let mean_tilt = weighted_mean(rays, |ray| ray.tilt().radians());
-        // A pan moves the direction by the cosine of tilt. Variance between the means, plus the
-        // variance within each.
-        let variance = weighted_mean(rays, |ray| {
-            let pan = ray.pan().turn_from(first).radians();
-            let tilt = ray.tilt().radians();
-            ((pan - mean_pan) * mean_tilt.cos()).powi(2)
-                + (tilt - mean_tilt).powi(2)
-                + f64::from(ray.spread).powi(2)
-        });
-        variance.sqrt()
-    }
-
     /// Memory in bytes.
     fn memory_bytes(&self) -> usize {
         let mean = size_of::<Descriptor>() + size_of::<Sketch>() + size_of::<MeanRay>();
@@ -118,22 +99,6 @@ impl Tree {
             + self.nodes.len() * size_of::<Node>()
             + self.leaf_ends.len() * size_of::<u32>()
     }
-
-    /// Number of leaves whose rays spread by more than an angle, rad, root mean square.
-    fn mixed_leaves(&self, spread: f64) -> usize {
-        (0..self.leaf_ends.len())
-            .filter(|&leaf| self.spread(leaf) > spread)
-            .count()
-    }
-}
-
-/// The mean of a number over rays, each weighted by its samples; 0 without samples.
-fn weighted_mean(rays: &[MeanRay], number: impl Fn(&MeanRay) -> f64) -> f64 {
-    let weight: f64 = rays.iter().map(|ray| f64::from(ray.samples)).sum();
-    rays.iter()
-        .map(|ray| f64::from(ray.samples) * number(ray))
-        .sum::<f64>()
-        / weight.max(1.0)
 }
 
 /// A trained pan-tilt forest. It contains descriptors and rays, and nothing about where they came
@@ -170,15 +135,6 @@ impl Forest {
     /// Memory in bytes.
     pub fn memory_bytes(&self) -> usize {
         self.trees.iter().map(Tree::memory_bytes).sum()
-    }
-
-    /// Number of leaves whose rays spread by more than an angle (rad, root mean square): different
-    /// places that look alike, or references that contradict each other.
-    pub fn mixed_leaves(&self, spread: f64) -> usize {
-        self.trees
-            .iter()
-            .map(|tree| tree.mixed_leaves(spread))
-            .sum()
     }
 }
 

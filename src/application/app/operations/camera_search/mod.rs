@@ -56,7 +56,6 @@ pub struct CameraSearchState {
 /// What a search leaves for the user to decide or to read.
 #[derive(Debug, Default)]
 pub enum SearchFollowUp {
-    /// Nothing.
     #[default]
     Nothing,
     /// Two positions explain the paint; the user decides.

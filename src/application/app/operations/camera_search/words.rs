@@ -67,7 +67,6 @@ fn why_not(why: &Abstention) -> String {
     }
 }
 
-/// The missing view.
 fn missing_view(why: &Abstention) -> String {
     match why {
         Abstention::NotConnected { .. } => {

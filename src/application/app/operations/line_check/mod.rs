@@ -91,7 +91,6 @@ impl App {
 /// The line check of a camera, as the window shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineCheckSummary {
-    /// The verdict.
     pub verdict: LineVerdict,
     /// Number of samples on the lines with paint nearby.
     pub found: usize,

@@ -49,7 +49,6 @@ pub struct RevisionPreview {
     /// The revision that was examined. Any later change of the document, also one from the
     /// background, makes the result obsolete.
     pub revision: u64,
-    /// The result.
     pub look: PreviewResult,
 }
 

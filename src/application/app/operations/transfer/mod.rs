@@ -52,15 +52,11 @@ pub struct TransferState {
     pub format: Format,
     /// Whether the user has chosen it, or an import of this project has.
     is_chosen: bool,
-    /// The options of the export.
     pub export: ExportOptions,
-    /// The options of the dataset.
     pub dataset: DatasetOptions,
     /// Whether an existing dataset is replaced.
     pub replace: bool,
-    /// The format of the import.
     pub import_format: Format,
-    /// The options of the import.
     pub import: ImportOptions,
     /// The folder of the last export or dataset that was written.
     pub written_to: Option<PathBuf>,
@@ -109,7 +105,6 @@ impl TransferState {
         Some(UnderWay::new("Writing the export", step, Command::StopExport).with_share(share))
     }
 
-    /// The running write.
     pub const fn writing(&self) -> Option<&Running<TransferWrite>> {
         self.write.running()
     }

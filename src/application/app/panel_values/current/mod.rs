@@ -95,7 +95,6 @@ pub(in crate::app) struct FreshSolve {
     pub frame: usize,
     /// The version of the document after the solution was recorded.
     pub version: u64,
-    /// The solution.
     pub result: Result<FrameSolution, CalibrationError>,
 }
 

@@ -122,10 +122,7 @@ impl<C: Backend> Work<C> {
         let backend = &mut self.backend;
         let proposed = catch_unwind(AssertUnwindSafe(|| {
             let progress = Progress::new(|more| {
-                watch.notify(TrainerActivity::Proposing(Share {
-                    done: done + more,
-                    of,
-                }))
+                watch.notify(TrainerActivity::Proposing(Share::new(done + more, of)))
             });
             backend.propose(document, frames, (&model, generation), snapping, &progress)
         }));
@@ -203,10 +200,10 @@ impl<C: Backend> Work<C> {
         let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
         let before = self.tracked;
         let progress = Progress::new(|done: usize| {
-            watch.notify(TrainerActivity::Carrying(Share {
-                done: before + done.min(window.between.len()),
-                of: before + waiting,
-            }))
+            watch.notify(TrainerActivity::Carrying(Share::new(
+                before + done.min(window.between.len()),
+                before + waiting,
+            )))
         });
         let tracked = catch_panic("tracking cameras", || {
             backend.carry(document, window, generation, &progress)

@@ -132,11 +132,9 @@ fn lens_of(
     distortion: &[f64],
     size: ImageSize,
 ) -> Result<(KnownLens, f64), Problem> {
-    let rows: &[f64; 9] = calibration.try_into().map_err(|_| Problem::Count {
-        what: "K".to_owned(),
-        wanted: 9,
-        found: calibration.len(),
-    })?;
+    let rows: &[f64; 9] = calibration
+        .try_into()
+        .map_err(|_| Problem::wrong_count("K", 9, calibration.len()))?;
     if !calibration
         .iter()
         .chain(distortion)

@@ -18,12 +18,14 @@ mod arrays;
 mod lenses;
 
 use crate::document::{Document, FieldSpec};
-use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, SequenceScope, WriteContext,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::{note_several_cameras, parts};
 use crate::exchange::cameras::into_document::{Exactness, View};
 use crate::exchange::cameras::picture_size::SizeSource;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem};
 use crate::exchange::format::About;
 use crate::exchange::format_options::{self, FormatOption};
@@ -69,12 +71,7 @@ impl CameraFormat for Fifa {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        index: usize,
-        context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, index: usize, context: &WriteContext<'_>) -> HeldFrame {
         let (pinhole, _) = parts(frame)?;
         // As the tasks give their files: the pose of the first frame alone.
         let is_open = context.options.rotations == Rotations::First && index > 0;
@@ -127,11 +124,7 @@ impl CameraFormat for Fifa {
         Some(SequenceScope::All)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         Ok(Files::one(
             &format!("{STEM}.npz"),
             archive_to_bytes(&arrays_of(held)),
@@ -154,11 +147,7 @@ impl CameraFormat for Fifa {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|name, bytes| {
             let sequence = Sequence::read(bytes)?;
             // The tasks name a video and its cameras alike.

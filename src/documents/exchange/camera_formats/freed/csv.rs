@@ -2,10 +2,12 @@
 
 use super::sample::{CAMERA, Sample};
 use super::{Reading, hold, notes, samples, second_camera_note};
-use crate::exchange::cameras::camera_format::{CameraFormat, SequenceScope, WriteContext};
+use crate::exchange::cameras::camera_format::{
+    CameraFormat, HeldFrame, SequenceScope, WriteContext,
+};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::{About, Format};
 use crate::exchange::format_options::FormatOption;
@@ -65,12 +67,7 @@ impl CameraFormat for FreeDCsv {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        index: usize,
-        context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, index: usize, context: &WriteContext<'_>) -> HeldFrame {
         hold(frame, index, context)
     }
 
@@ -82,11 +79,7 @@ impl CameraFormat for FreeDCsv {
         Some(SequenceScope::All)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut text = String::new();
         push_row(&COLUMNS.map(ToOwned::to_owned), &mut text);
         for (sample, frame) in samples(held, context, Format::FreeDCsv)?
@@ -131,11 +124,7 @@ impl CameraFormat for FreeDCsv {
         second_camera_note(&ids).into_iter().collect()
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         let reading = Reading::from_options(options, Format::FreeDCsv)?;
         let mut count = 0;
         files.read_all(|_, bytes| {

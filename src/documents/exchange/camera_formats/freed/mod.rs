@@ -13,12 +13,12 @@ mod zoom;
 pub use csv::FreeDCsv;
 pub use packets::FreeD;
 
-use crate::exchange::cameras::camera_format::WriteContext;
+use crate::exchange::cameras::camera_format::{HeldFrame, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, Pinhole};
 use crate::exchange::cameras::held::{
     OTHER_SIZE, cannot_hold, note_several_cameras, parts, plain, with,
 };
-use crate::exchange::error::ExchangeError;
+use crate::exchange::error::{ExchangeError, ExchangeResult};
 use crate::exchange::format::Format;
 use crate::exchange::options::{ImportOptions, Zoom};
 use sample::Sample;
@@ -34,7 +34,7 @@ struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    fn from_options(options: &'a ImportOptions, format: Format) -> Result<Self, ExchangeError> {
+    fn from_options(options: &'a ImportOptions, format: Format) -> ExchangeResult<Self> {
         // Three things that no packet states; without one of them the numbers would give a camera,
         // but a wrong one.
         let size = options.size.ok_or_else(|| {
@@ -69,11 +69,7 @@ fn option_needed(format: Format, what: &'static str, option: &'static str) -> Ex
 }
 
 /// What both formats keep: a pinhole whose focal length corresponds to a whole zoom value.
-fn hold(
-    frame: &FrameCamera,
-    index: usize,
-    context: &WriteContext<'_>,
-) -> Result<FrameCamera, String> {
+fn hold(frame: &FrameCamera, index: usize, context: &WriteContext<'_>) -> HeldFrame {
     let (pinhole, size) = parts(frame)?;
     let (zoom, sensor) = (&context.options.zoom, context.options.sensor_width_mm);
     // To the raw number and back, so that the loss of a whole zoom value is measured and the file
@@ -97,7 +93,7 @@ fn samples(
     held: &[FrameCamera],
     context: &WriteContext<'_>,
     format: Format,
-) -> Result<Vec<Sample>, ExchangeError> {
+) -> ExchangeResult<Vec<Sample>> {
     // A reader knows one size for the whole stream, by which it finds the middle and the focal
     // length.
     let first_size = held.first().and_then(|first| first.size);

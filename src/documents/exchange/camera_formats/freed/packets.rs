@@ -3,13 +3,13 @@
 use super::sample::{PACKET, Sample};
 use super::{Reading, hold, notes, samples, second_camera_note};
 use crate::exchange::cameras::camera_format::{
-    CameraFormat, EXACT_PX, SequenceScope, WriteContext,
+    CameraFormat, EXACT_PX, HeldFrame, SequenceScope, WriteContext,
 };
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::{cannot_hold, note_lost_gaps};
 use crate::exchange::cameras::into_document::Exactness;
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, refuse_archive};
 use crate::exchange::format::{About, Format};
 use crate::exchange::format_options::FormatOption;
@@ -78,12 +78,7 @@ impl CameraFormat for FreeD {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        index: usize,
-        context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, index: usize, context: &WriteContext<'_>) -> HeldFrame {
         hold(frame, index, context)
     }
 
@@ -117,11 +112,7 @@ impl CameraFormat for FreeD {
         Some(SequenceScope::All)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut bytes = Vec::with_capacity(PACKET * held.len());
         for (sample, frame) in samples(held, context, Format::FreeD)?.into_iter().zip(held) {
             let packet = sample.packet();
@@ -141,11 +132,7 @@ impl CameraFormat for FreeD {
             .collect()
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         let reading = Reading::from_options(options, Format::FreeD)?;
         // Packets have no number: frames are counted over all files, in their natural order.
         let mut count = 0;

@@ -125,10 +125,7 @@ impl Sample {
 
 /// The error that bytes are no packet.
 fn not_a_packet(found: String) -> Problem {
-    Problem::NotFormat {
-        wanted: "a FreeD D1 packet",
-        found,
-    }
+    Problem::not_format("a FreeD D1 packet", found)
 }
 
 /// The big-endian signed number of 24 bits at a byte of a packet.

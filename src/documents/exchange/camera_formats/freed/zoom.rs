@@ -55,11 +55,7 @@ impl Zoom {
             }
             Self::Table(table) => between(table.iter().copied(), raw).ok_or_else(|| {
                 let what = "the zoom value".to_owned();
-                Problem::OutOfRange {
-                    what,
-                    value: raw,
-                    wanted: "within the zoom table",
-                }
+                Problem::out_of_range(what, raw, "within the zoom table")
             }),
         }
     }

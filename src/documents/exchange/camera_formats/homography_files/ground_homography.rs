@@ -4,7 +4,7 @@
 //! A homography has neither distortion nor points off the ground. Where a camera has a distortion
 //! or its field a crown, the homography that fits best over the visible pitch is taken.
 
-use crate::exchange::cameras::camera_format::WriteContext;
+use crate::exchange::cameras::camera_format::{HeldFrame, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::ground_fit::fit_image_from_ground;
 use crate::exchange::cameras::held::parts;
@@ -33,11 +33,7 @@ pub(super) fn inverse(h: &Mat3, what: &str) -> Result<Mat3, Problem> {
 
 /// The homography of the camera's undistorted picture if the options ask for that, else of its
 /// picture as it is. Exact without distortion and crown, else fitted.
-pub(super) fn hold(
-    frame: &FrameCamera,
-    name: String,
-    context: &WriteContext<'_>,
-) -> Result<FrameCamera, String> {
+pub(super) fn hold(frame: &FrameCamera, name: String, context: &WriteContext<'_>) -> HeldFrame {
     let (pinhole, size) = parts(frame)?;
     // Without distortion and crown the homography is exact: K [r₁ r₂ t]. Else fit it.
     let ideal = Pinhole {
@@ -72,9 +68,9 @@ pub(super) fn matrix(values: &[f64]) -> Result<Mat3, Problem> {
     if values.len() == 9 {
         return Ok(Mat3::from_row_slice(values));
     }
-    Err(Problem::Count {
-        what: "the homography (numbers)".to_owned(),
-        wanted: 9,
-        found: values.len(),
-    })
+    Err(Problem::wrong_count(
+        "the homography (numbers)",
+        9,
+        values.len(),
+    ))
 }

@@ -5,11 +5,11 @@
 //! one that leaves any of them out is refused.
 
 use super::ground_homography::{corner_from, hold, inverse, matrix, normalise_homography};
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
+use crate::exchange::cameras::camera_format::{CameraFormat, HeldFrame, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::held::relative_name;
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -45,11 +45,7 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
     let node = Node::root(&value);
     let rows = node.key("h")?;
     if rows.count()? != 3 {
-        return Err(Problem::Count {
-            what: "h (rows)".to_owned(),
-            wanted: 3,
-            found: rows.count()?,
-        });
+        return Err(Problem::wrong_count("h (rows)", 3, rows.count()?));
     }
     let rows: Vec<[f64; 3]> = rows
         .items()?
@@ -119,12 +115,7 @@ impl CameraFormat for HomographyLines {
         }
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, context: &WriteContext<'_>) -> HeldFrame {
         hold(
             frame,
             safe_path(&relative_name(frame)).map_err(|problem| problem.to_string())?,
@@ -132,11 +123,7 @@ impl CameraFormat for HomographyLines {
         )
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut text = String::new();
         for frame in held {
             let FrameProjection::Ground(image_from_ground) = &frame.shown else {
@@ -164,11 +151,7 @@ impl CameraFormat for HomographyLines {
         Ok(Files::one("homographies.jsonl", text.into_bytes()))
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         files.read_all(|_, bytes| {
             let lines = text(bytes)?
                 .lines()

@@ -11,7 +11,7 @@ use super::ground_plan::{SHUTTLE_COURT_PX, shuttle_from_ground};
 use crate::exchange::cameras::camera_format::{CameraFormat, has_ending};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, base_name, text, without_ending};
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
@@ -68,7 +68,7 @@ struct Reading<'a> {
 impl<'a> Reading<'a> {
     /// # Errors
     /// An option is needed, or the field is not valid; `file` is the first that is read.
-    fn from_options(options: &'a ImportOptions, file: &str) -> Result<Self, ExchangeError> {
+    fn from_options(options: &'a ImportOptions, file: &str) -> ExchangeResult<Self> {
         let given = &options.homographies;
         let needed = |what: &str, option| {
             let what = what.to_owned();
@@ -175,12 +175,9 @@ fn read_table(bytes: &[u8], reading: &Reading<'_>) -> Result<Vec<FrameCamera>, P
     };
     let column = find(given.matrix_column.as_ref(), &MATRIX_COLUMNS)?;
     if column.is_none() {
-        table
-            .needs(&NUMBER_COLUMNS)
-            .map_err(|_| Problem::OptionNeeded {
-                what: "the column of the matrices".to_owned(),
-                option: "--columns h=NAME",
-            })?;
+        table.needs(&NUMBER_COLUMNS).map_err(|_| {
+            Problem::option_needed("the column of the matrices", "--columns h=NAME")
+        })?;
     }
     let name_column = find(given.name_column.as_ref(), &NAME_COLUMNS)?;
     let mut frames = FrameCollector::default();
@@ -309,11 +306,7 @@ impl CameraFormat for HomographyTables {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         let entries = files.sorted_entries();
         let first = entries.first().map_or("", |(file, _)| *file);
         let reading = Reading::from_options(options, first)?;

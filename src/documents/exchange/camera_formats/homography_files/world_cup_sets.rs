@@ -6,11 +6,11 @@
 //! ericsujw/KpSFR (loaders).
 
 use super::ground_homography::{corner_from, hold, inverse, matrix, normalise_homography};
-use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, stem_of};
+use crate::exchange::cameras::camera_format::{CameraFormat, HeldFrame, WriteContext, stem_of};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use crate::exchange::cameras::picture_size::SizeSource;
 use crate::exchange::cameras::unreadable::read_frame_files;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem, text};
 use crate::exchange::format::About;
 use crate::exchange::format_options;
@@ -125,12 +125,7 @@ impl CameraFormat for Wc14 {
         SizeSource::Assumed
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, context: &WriteContext<'_>) -> HeldFrame {
         hold(frame, stem_of(frame), context)
     }
 
@@ -138,11 +133,7 @@ impl CameraFormat for Wc14 {
         notes(frames, context)
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut files = Files::default();
         for frame in held {
             let Some(h) = template_from_image(frame) else {
@@ -158,11 +149,7 @@ impl CameraFormat for Wc14 {
         Ok(files)
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         read_frame_files(&files.sorted_entries(), stem, |name, bytes| {
             let shown = image_from_ground(&matrix(&numbers("the homography", text(bytes)?)?)?)?;
             let shown = FrameProjection::Ground(shown);
@@ -191,12 +178,7 @@ impl CameraFormat for TsWorldCup {
         SizeSource::Assumed
     }
 
-    fn hold(
-        &self,
-        frame: &FrameCamera,
-        _index: usize,
-        context: &WriteContext<'_>,
-    ) -> Result<FrameCamera, String> {
+    fn hold(&self, frame: &FrameCamera, _index: usize, context: &WriteContext<'_>) -> HeldFrame {
         // The folder of a video is that of its camera; a slash or dots in its name would lead
         // elsewhere.
         let camera = frame
@@ -215,11 +197,7 @@ impl CameraFormat for TsWorldCup {
             .collect()
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        _context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut files = Files::default();
         let mut videos: Vec<&str> = Vec::new();
         for frame in held {
@@ -241,11 +219,7 @@ impl CameraFormat for TsWorldCup {
         Ok(files)
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        _options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, _options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         // The files of an export that are verified include the list of videos.
         let mut homographies = files.sorted_entries();
         homographies.retain(|(name, _)| self.is_wanted(name));

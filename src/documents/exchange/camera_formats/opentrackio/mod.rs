@@ -16,7 +16,7 @@ use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::FrameCamera;
 use crate::exchange::cameras::held::parts;
 use crate::exchange::cameras::unreadable::FrameCollector;
-use crate::exchange::error::{ExchangeError, Problem};
+use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::Files;
 use crate::exchange::format::About;
 use crate::exchange::format_options::FormatOption;
@@ -97,11 +97,7 @@ impl CameraFormat for OpenTrackIo {
         notes
     }
 
-    fn write(
-        &self,
-        held: &[FrameCamera],
-        context: &WriteContext<'_>,
-    ) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         // Without a rate no interval is known, and each sample has the static part.
         let every = context.rate.map_or(1, |rate| {
             (rate.per_second() * REPEAT_SECONDS).ceil() as usize
@@ -142,11 +138,7 @@ impl CameraFormat for OpenTrackIo {
         }
     }
 
-    fn read(
-        &self,
-        files: &Files,
-        options: &ImportOptions,
-    ) -> Result<Vec<FrameCamera>, ExchangeError> {
+    fn read(&self, files: &Files, options: &ImportOptions) -> ExchangeResult<Vec<FrameCamera>> {
         let sorted = files.sorted_entries();
         // The static part may be in any sample of a source, or in another file of the folder: what
         // comes before the first one has that one's.
@@ -220,7 +212,7 @@ mod tests {
     use touchline_core::camera::Radial;
 
     /// Reads a sample by itself.
-    fn read_line(text: &str, options: &ImportOptions) -> Result<FrameCamera, ExchangeError> {
+    fn read_line(text: &str, options: &ImportOptions) -> ExchangeResult<FrameCamera> {
         let files = Files::one("a.jsonl", text.as_bytes().to_vec());
         OpenTrackIo
             .read(&files, options)

@@ -201,11 +201,11 @@ fn radial(lens: &Node<'_>, screen: &Screen) -> Result<(Radial, f64), Problem> {
     } else {
         "without undistorted points for all of the picture".to_owned()
     };
-    Err(Problem::Unsupported {
-        what: format!("lens.distortion: it is {far} where k1 and k2 are nearest, so that it"),
-        why: "up to 0.05 px is taken; take it out of the pictures with a tool that knows it, and \
+    Err(Problem::not_supported(
+        format!("lens.distortion: it is {far} where k1 and k2 are nearest, so that it"),
+        "up to 0.05 px is taken; take it out of the pictures with a tool that knows it, and \
          give --undistorted",
-    })
+    ))
 }
 
 /// The numbers of the camera that a sample or an option must state.
@@ -215,21 +215,18 @@ fn sensor_of(known: &Static, options: &ImportOptions) -> Result<(ImageSize, f64)
     let sensor_mm = known.sensor_mm.or(options.sensor_width_mm);
     match (known.size.or(options.size), sensor_mm) {
         (Some(size), Some(sensor_mm)) => Ok((size, sensor_mm)),
-        (None, Some(_)) => Err(Problem::OptionNeeded {
-            what: "the size of the pictures (static.camera.activeSensorResolution)".to_owned(),
-            option: "--size WIDTHxHEIGHT",
-        }),
-        (Some(_), None) => Err(Problem::OptionNeeded {
-            what: "the width of the sensor (static.camera.activeSensorPhysicalDimensions)"
-                .to_owned(),
-            option: "--sensor-mm",
-        }),
-        (None, None) => Err(Problem::OptionNeeded {
-            what:
-                "the camera (static.camera: activeSensorResolution, activeSensorPhysicalDimensions)"
-                    .to_owned(),
-            option: "--size WIDTHxHEIGHT and --sensor-mm",
-        }),
+        (None, Some(_)) => Err(Problem::option_needed(
+            "the size of the pictures (static.camera.activeSensorResolution)",
+            "--size WIDTHxHEIGHT",
+        )),
+        (Some(_), None) => Err(Problem::option_needed(
+            "the width of the sensor (static.camera.activeSensorPhysicalDimensions)",
+            "--sensor-mm",
+        )),
+        (None, None) => Err(Problem::option_needed(
+            "the camera (static.camera: activeSensorResolution, activeSensorPhysicalDimensions)",
+            "--size WIDTHxHEIGHT and --sensor-mm",
+        )),
     }
 }
 

@@ -127,11 +127,11 @@ fn shear_problem(off_px: f64) -> Problem {
     } else {
         "beyond its picture".to_owned()
     };
-    Problem::Unsupported {
-        what: format!("the scale of transforms, which shears the camera {by},"),
-        why: "up to 0.05 px is taken; where it is the size of a model on the stage, take it out: \
+    Problem::not_supported(
+        format!("the scale of transforms, which shears the camera {by},"),
+        "up to 0.05 px is taken; where it is the size of a model on the stage, take it out: \
          jq -c 'del(.transforms[].scale)'",
-    }
+    )
 }
 
 #[cfg(test)]

@@ -73,13 +73,7 @@ pub fn write_dataset(
     };
     for frame in &plan.frames {
         written.add(at, frame, options, reader, &mut files)?;
-        if progress
-            .report(Share {
-                done: written.pictures,
-                of,
-            })
-            .is_break()
-        {
+        if progress.report(Share::new(written.pictures, of)).is_break() {
             return Err(ExchangeError::Stopped);
         }
     }

@@ -140,7 +140,6 @@ fn click_at(placement: &Placement, clicks: &[ImagePoint], at: Pos2) -> Option<us
 /// What the pointer holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum DragTarget {
-    /// Nothing.
     #[default]
     Nothing,
     /// A click of the frame, existing or new.
@@ -152,7 +151,6 @@ pub enum DragTarget {
         /// Whether the pointer has moved far enough for a drag.
         moving: bool,
     },
-    /// The picture, by this button.
     Picture(PointerButton),
     /// A mask that is being drawn.
     Mask {
