@@ -22,6 +22,7 @@ use touchline_calibration::calibrate::AutocalibratedCamera;
 use touchline_calibration::pipelines::{
     LabelledMatch, MatchEvent, MatchLabels, MatchOptions, label_match,
 };
+use touchline_calibration::proposals::WorkFolder;
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, document_from_frames};
@@ -35,6 +36,10 @@ use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES
 /// Where no answer is certain, the message names a frame and the number of landmarks to click in
 /// it, and the project is made without a camera; with these clicks it is taken in place of the
 /// images or the video.
+///
+/// Finished parts of the work are kept in the project's folder `.touchline/work`, by the content of
+/// the video and the settings: after Ctrl-C or a crash the same command goes on from there, and
+/// with another setting only what depends on it is done again. The folder may be deleted.
 #[derive(clap::Args, Debug)]
 pub struct CalibrateArgs {
     /// The folder of images, the video, or a document whose camera has no base yet.
@@ -109,6 +114,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         sampled_frames: args.look_at as usize,
         label_the_rest: !args.found_only,
         find_shots: true,
+        work: Some(WorkFolder::beside(&folder.join(PROJECT_FILE))),
     };
     let report = MatchReport::new(messages);
     let interrupt = Interrupt::listen();
@@ -133,7 +139,10 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     drop(progress);
     drop(report);
     if labels.is_err() && interrupt.is_pressed() {
-        messages.note("stopped; no camera was found yet, nothing was written");
+        messages.note(
+            "stopped; no camera was found yet, and no project was written; the same command goes \
+             on from here",
+        );
         return Ok(Outcome::Stopped);
     }
     let labelled = match labels? {
@@ -187,11 +196,10 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         messages.note(&line);
     }
     if is_stopped {
-        let project = args.output.display();
-        messages.note(&format!(
-            "stopped: what was found until then is written; to go on: touchline track {project} \
-             --refine-base -o {project} --force"
-        ));
+        messages.note(
+            "stopped: what was found until then is written; the same command with --force goes on \
+             from here",
+        );
         return Ok(Outcome::Stopped);
     }
     if !args.found_only && (answered, unanswered) != (0, 0) {

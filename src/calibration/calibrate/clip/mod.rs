@@ -19,6 +19,7 @@ mod unmeasured;
 pub use anchors::is_anchor;
 pub use error::TrackClipError;
 pub use evidence::ClipEvidence;
+pub(crate) use evidence::EvidenceBytes;
 pub use frames::{ClipFrame, ClipFrames, ClipSpan, clip_of_frame, clips};
 pub use options::{ClipProgress, TrackClipOptions};
 pub use readable::track_clip;
