@@ -22,7 +22,7 @@ use touchline_calibration::calibrate::AutocalibratedCamera;
 use touchline_calibration::pipelines::{
     LabelledMatch, MatchEvent, MatchLabels, MatchOptions, label_match,
 };
-use touchline_calibration::proposals::WorkFolder;
+use touchline_calibration::proposals::{WORK_FOLDER, WorkFolder};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, document_from_frames};
@@ -152,7 +152,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
             let text = why.describe(&document);
             messages.error(&format!("{}: {text}", args.frames.display()));
             // The clicks are made in a project, which has no camera yet. Where clicks do not help,
-            // dropping `new_folder` removes the folder, if this run made it.
+            // `new_folder` is removed, if this run made it.
             if why.asks_for_clicks() {
                 output.write(document, &folder)?;
                 new_folder.keep();
@@ -161,6 +161,8 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
                     "{project}: the frames without a camera, to click in: touchline {project}; then touchline \
                      calibrate {project} -o {project} --force"
                 ));
+            } else {
+                new_folder.clear();
             }
             return Ok(Outcome::SomeFailed);
         }
@@ -367,6 +369,15 @@ impl NewFolder {
 
     fn keep(mut self) {
         self.0 = None;
+    }
+}
+
+impl NewFolder {
+    /// Removes the kept work from a new folder, so that nothing stays where there is no project.
+    fn clear(self) {
+        if let Some(folder) = &self.0 {
+            let _ = std::fs::remove_dir_all(folder.join(WORK_FOLDER));
+        }
     }
 }
 

@@ -312,3 +312,93 @@ impl DocumentChange {
         Some(after)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::{Camera, VideoFrame};
+    use touchline_documents::testing::{ptz_at, soccer_document};
+
+    fn document(video: &str) -> Document {
+        let size = ImageSize::new(64, 36);
+        let mut document = soccer_document();
+        document.cameras.push(Camera::new("main".into(), size).into());
+        for index in 0..3 {
+            let of_video = VideoFrame::new(video, index, Some(0.04 * index as f64));
+            document
+                .frames
+                .push(Frame::from_video(of_video, "main".into(), size).into());
+        }
+        document
+    }
+
+    fn key(work: &KeptWork, document: &Document, folder: &Path) -> Option<WorkKey> {
+        let mut parts = work.begin_key("search")?;
+        let at = document.at(folder);
+        parts.add_document(at);
+        parts.add_frames(at);
+        parts.finish()
+    }
+
+    #[test]
+    fn a_key_is_of_content_and_never_of_a_name() {
+        let place = tempfile::tempdir().unwrap();
+        let at = |name: &str| place.path().join(name);
+        std::fs::write(at("a.mp4"), "one video").unwrap();
+        std::fs::write(at("moved.mp4"), "one video").unwrap();
+        std::fs::write(at("other.mp4"), "other video").unwrap();
+        let work = || KeptWork::in_folder(&WorkFolder::beside(&at("project.json")));
+        let key_of = |document: &Document| key(&work(), document, place.path());
+        let one = document("a.mp4");
+        let first = key_of(&one);
+        assert!(first.is_some());
+        assert_eq!(key_of(&document("moved.mp4")), first, "moved");
+        assert_ne!(key_of(&document("other.mp4")), first, "another video");
+        assert_eq!(key_of(&document("missing.mp4")), None);
+        assert_eq!(key(&KeptWork::none(), &one, place.path()), None);
+        let mut changed = one.clone();
+        changed.frames[1].ptz = ptz_at(1.0, -9.0, 90.0);
+        assert_ne!(key_of(&changed), first, "a camera");
+        let mut changed = one.clone();
+        changed.field.params.insert("length_m".to_owned(), 104.0);
+        assert_ne!(key_of(&changed), first, "the field's size");
+        // The same name, other content: the file is read again by the next run.
+        std::fs::write(at("a.mp4"), "two video").unwrap();
+        assert_ne!(key_of(&one), first, "replaced");
+    }
+
+    #[test]
+    fn results_are_kept_on_disk_and_damaged_ones_are_none() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = WorkFolder::beside(&place.path().join("project.json"));
+        let key = WorkKey("0123".to_owned());
+        KeptWork::in_folder(&folder).keep(&key, &vec![1_usize, 2, 3]);
+        let work = KeptWork::in_folder(&folder);
+        assert_eq!(work.recall(&key), Some(vec![1_usize, 2, 3]));
+        assert_eq!(work.recall::<String>(&key), None, "of another type");
+        assert_eq!(work.recall::<Vec<usize>>(&WorkKey("4".to_owned())), None);
+        let path = place.path().join(".touchline/work/0123.kept");
+        let whole = std::fs::read(&path).unwrap();
+        for length in 0..whole.len() {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            assert_eq!(work.recall::<Vec<usize>>(&key), None, "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn a_change_of_a_document_is_repeated_to_the_bit() {
+        let before = document("a.mp4");
+        let mut after = before.clone();
+        after.frames[2].ptz = ptz_at(0.1 + 0.2, -9.0 / 7.0, 1e3 / 3.0);
+        after.field.params.insert("width_m".to_owned(), 68.1);
+        let change = DocumentChange::between(&before, &after).unwrap();
+        assert_eq!(change.frames.len(), 1);
+        let read: DocumentChange = from_bytes(&to_bytes(&change)).unwrap();
+        assert_eq!(read.apply(&before).as_ref(), Some(&after));
+        let mut shorter = before.clone();
+        shorter.frames.pop();
+        assert_eq!(change.apply(&shorter), None);
+    }
+}
