@@ -1,5 +1,6 @@
 //! The user's choices in panels and on the filmstrip, as plain values.
 
+use crate::scene::shot_list::ShotOrder;
 use touchline_documents::document::{CameraId, Frame, FrameStatus};
 
 /// How a click on the filmstrip changes the selection.
@@ -265,6 +266,12 @@ pub struct ReviewChoice {
     pub one_per_shot: bool,
     /// Whether the pointer is over the list; then its rows do not move.
     pub held: bool,
+    /// Whether shots are listed instead of suggestions.
+    pub shots: bool,
+    /// The order of the list of shots.
+    pub shot_order: ShotOrder,
+    /// Whether shots without a field, and transitions, are left out of it.
+    pub fields_only: bool,
 }
 
 impl Default for ReviewChoice {
@@ -275,6 +282,9 @@ impl Default for ReviewChoice {
             with_disagreeing: false,
             one_per_shot: false,
             held: false,
+            shots: false,
+            shot_order: ShotOrder::default(),
+            fields_only: false,
         }
     }
 }
