@@ -3,6 +3,7 @@
 use super::Outcome;
 use super::match_report::MatchReport;
 use super::new::{parameter, read_field};
+use super::shot_sheets::write_sheets;
 use super::shot_table::{describe_shots, is_every_field_answered};
 use crate::cli::terminal::document::{
     Destination, DocumentOutput, Loaded, is_document, refuse_unwritable,
@@ -10,7 +11,8 @@ use crate::cli::terminal::document::{
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::{
-    encode_png, refuse_existing_file, refuse_file, refuse_other_than_png, write_file,
+    encode_png, refuse_existing, refuse_existing_file, refuse_file, refuse_other_than_png,
+    write_file,
 };
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, RgbaImage};
@@ -66,6 +68,10 @@ pub struct CalibrateArgs {
     /// coincide, the base is right.
     #[arg(long, value_name = "FILE.png")]
     panorama: Option<PathBuf>,
+    /// Also write contact sheets into this folder: a page with one row a shot, with its camera, what
+    /// it shows, how many of its frames are right, and six of them with the field's lines.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
     /// Answer only the frames that are looked at. Otherwise a video's other frames are tracked from
     /// them, and a forest that learns from them finds the cameras of other images.
     #[arg(long)]
@@ -94,6 +100,10 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     if let Some(panorama) = &args.panorama {
         refuse_other_than_png("--panorama", panorama)?;
         refuse_existing_file(panorama, args.force)?;
+    }
+    if let Some(report) = &args.report {
+        refuse_file(report, "the contact sheets")?;
+        refuse_existing(report, args.force)?;
     }
     // The document names its frames relative to the project's folder, which therefore must exist.
     // Its links are resolved: `..` in such a name goes up from where a link leads.
@@ -128,11 +138,12 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         interrupt.check()
     });
     // Find the camera and label the frames.
+    let mut reader = CachedReader::new(FrameReader::new(), KEPT_BYTES);
     let labels = label_match(
         &mut document,
         &folder,
         &camera,
-        &mut CachedReader::new(FrameReader::new(), KEPT_BYTES),
+        &mut reader,
         &options,
         &progress,
     );
@@ -196,6 +207,9 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     }
     for line in describe_different_fields(all) {
         messages.note(&line);
+    }
+    if let Some(report) = &args.report {
+        write_sheets(&document, &folder, &mut reader, report, args.force)?;
     }
     if is_stopped {
         messages.note(

@@ -26,6 +26,7 @@ mod refine_base;
 mod relocalize;
 mod render;
 mod season;
+mod shot_sheets;
 mod shot_table;
 mod snap;
 mod solve;

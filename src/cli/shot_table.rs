@@ -89,7 +89,9 @@ pub fn describe_shots(document: &Document) -> Vec<String> {
 pub fn is_every_field_answered(document: &Document) -> bool {
     let shots = shots_of_frames(document);
     document.frames.iter().zip(shots).all(|(frame, shot)| {
-        let kind = shot.map_or(ShotShows::Field, |shot| ShotShows::from_shot(&document.shots[shot]));
+        let kind = shot.map_or(ShotShows::Field, |shot| {
+            ShotShows::from_shot(&document.shots[shot])
+        });
         frame.ptz.is_some() || kind != ShotShows::Field || frame.status == FrameStatus::Rejected
     })
 }

@@ -2,9 +2,7 @@
 //! that memory does not grow with the length of a video.
 
 use super::kept_work::{KeptWork, WorkKey};
-use crate::calibrate::{
-    ClipEvidence, ClipFrames, EvidenceBytes, TrackClipOptions, TrackedClip,
-};
+use crate::calibrate::{ClipEvidence, ClipFrames, EvidenceBytes, TrackClipOptions, TrackedClip};
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
 use touchline_documents::document::DocumentAt;

@@ -324,7 +324,9 @@ mod tests {
     fn document(video: &str) -> Document {
         let size = ImageSize::new(64, 36);
         let mut document = soccer_document();
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         for index in 0..3 {
             let of_video = VideoFrame::new(video, index, Some(0.04 * index as f64));
             document

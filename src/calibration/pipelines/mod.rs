@@ -37,6 +37,6 @@ pub use {
     forest_labels::label_frames, forest_labels::learn_forest, forest_labels::propose_on_lines,
     match_labels::learn_from_found, mend::CameraSurvey, mend::ImpossibleCamera, mend::LeftFrame,
     mend::MENDED, mend::MendedNumbers, mend::NO_PLACE, mend::mend_numbers, mend::survey_cameras,
-    shots::shot_starts, track_clips::TrackedFrames,
-    track_clips::TrackingOptions, track_clips::give_first_base,
+    shots::shot_starts, track_clips::TrackedFrames, track_clips::TrackingOptions,
+    track_clips::give_first_base,
 };

@@ -54,9 +54,9 @@ pub(super) fn split_off(
         let after = is_other.range(index..).next().map(|(_, other)| *other);
         let frame = &document.frames[index];
         let of_shot = frame.clip.as_ref().and_then(|shot| of_shot.get(shot));
-        let is_of_new = of_shot.copied().unwrap_or_else(|| {
-            before.or(after) == Some(true) && after.or(before) == Some(true)
-        });
+        let is_of_new = of_shot
+            .copied()
+            .unwrap_or_else(|| before.or(after) == Some(true) && after.or(before) == Some(true));
         if frame.camera == *camera && is_of_new {
             document.frames[index].camera = id.clone();
         }

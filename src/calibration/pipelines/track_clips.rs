@@ -249,13 +249,14 @@ impl Tracking<'_> {
             let at = known.at(self.folder);
             let options = &self.options.clip;
             let key = self.evidence.key(at, clip, (index, field), options);
-            let kept = key.as_ref().and_then(|key| self.evidence.recall(index, key));
+            let kept = key
+                .as_ref()
+                .and_then(|key| self.evidence.recall(index, key));
             let tracked = if let Some(tracked) = kept {
                 Ok(tracked)
             } else {
                 let evidence = self.evidence.load(index, clip);
-                let tracked =
-                    track_clip(at, clip, field, self.reader, options, evidence, &of_clip);
+                let tracked = track_clip(at, clip, field, self.reader, options, evidence, &of_clip);
                 self.evidence
                     .keep(index, key.as_ref(), tracked.as_ref().ok());
                 tracked

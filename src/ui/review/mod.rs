@@ -55,10 +55,7 @@ fn choose_list(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show(ui, |ui| {
             ui.horizontal(|ui| {
                 for (shots, name) in [(false, "Suggestions"), (true, "Shots")] {
-                    if ui
-                        .add(Button::selectable(shots == shown, name))
-                        .clicked()
-                    {
+                    if ui.add(Button::selectable(shots == shown, name)).clicked() {
                         panel.view(ViewAction::ListShots(shots));
                     }
                 }

@@ -116,8 +116,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Shows a shot. A click shows its first frame.
 fn show_row(panel: &mut Panel<'_>, ui: &mut Ui, row: &ShotRow) {
-    let (place, response) =
-        ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    let (place, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let Some(open) = panel.app.open() else { return };
     let current = (row.first..=row.last).contains(&panel.app.session.frame);
     let [first, last] = [row.first, row.last].map(|index| open.frame_number(index));
@@ -142,13 +141,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &mut Ui, row: &ShotRow) {
         painter.rect_filled(place.shrink2(vec2(4.0, 1.0)), CornerRadius::same(4), ground);
     }
     let picture = Rect::from_min_size(place.min + vec2(8.0, (ROW - PICTURE.y) / 2.0), PICTURE);
-    miniature::paint(
-        panel,
-        painter,
-        open,
-        row.first.midpoint(row.last),
-        picture,
-    );
+    miniature::paint(panel, painter, open, row.first.midpoint(row.last), picture);
     if response.has_focus() {
         let edge = Stroke::new(1.0, ui.palette().accent);
         painter.rect_stroke(place.shrink(2.0), 4.0, edge, StrokeKind::Inside);

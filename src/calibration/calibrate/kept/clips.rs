@@ -1,7 +1,10 @@
 //! Tracked clips as bytes.
 
 use super::{Kept, kept};
-use crate::calibrate::{BasePaintEvidence, ClipStop, LengthOnLines, MovedReference, OnPaintErrors, TrackedClip, TrackedFrame};
+use crate::calibrate::{
+    BasePaintEvidence, ClipStop, LengthOnLines, MovedReference, OnPaintErrors, TrackedClip,
+    TrackedFrame,
+};
 use touchline_core::solve::Loss;
 use touchline_core::solve::base::HeldOutErrors;
 use touchline_vision::track::{

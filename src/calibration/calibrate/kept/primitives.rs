@@ -23,9 +23,7 @@ impl Kept for u64 {
     }
 
     fn read(bytes: &mut &[u8]) -> Option<Self> {
-        Some(Self::from_le_bytes(
-            *bytes.split_off(..8)?.first_chunk()?,
-        ))
+        Some(Self::from_le_bytes(*bytes.split_off(..8)?.first_chunk()?))
     }
 }
 

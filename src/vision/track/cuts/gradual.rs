@@ -39,6 +39,8 @@ const MOST_OFF_EITHER: f32 = 0.2;
 const MOST_INCOHERENT: f32 = 0.55;
 /// Maximum share of the change that one frame may bring; a hard cut brings all of it.
 const MOST_OF_CHANGE: f32 = 0.5;
+/// Maximum doubt of a transition beside which a camera may turn or zoom fast.
+const EXACT: f32 = 0.35;
 /// Distance of the pictures to which the second ramp is fitted from the first ramp, frames.
 const ASIDE: usize = 4;
 /// Maximum share of the cells in which a frame beside a wipe shows the other picture, by chance.
@@ -252,8 +254,10 @@ fn check(frames: &impl Frames, ramp: Range<usize>, misfit: f32) -> Option<Gradua
         .last();
     let is_coherent = is_steady(earlier.and_then(|at| frames.frame(at)), before)
         && is_steady(later.and_then(|at| frames.frame(at)), after);
-    (moved >= LEAST_CHANGE && is_coherent).then_some(Gradual {
+    let doubt = off + 4.0 * misfit;
+    // A mixture this exact is none of a camera's motion, whatever moves beside it.
+    (moved >= LEAST_CHANGE && (is_coherent || doubt <= EXACT)).then_some(Gradual {
         frames: ramp,
-        doubt: off + 4.0 * misfit,
+        doubt,
     })
 }
