@@ -115,12 +115,11 @@ fn draw_frame(
     let size = picture.size();
     let scale = (f64::from(SIZE[0]) / f64::from(size.width))
         .min(f64::from(SIZE[1]) / f64::from(size.height));
-    let image = RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| {
+    let mut image = RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| {
         let source = |at: u32| ((f64::from(at) + 0.5) / scale) as u32;
         let pixel = picture.pixel(source(x), source(y));
         pixel.map_or(Rgb([0; 3]), |[red, green, blue, _]| Rgb([red, green, blue]))
     });
-    let mut image = image;
     let options = MarkingOptions {
         tolerance_px: 1.0 / scale,
         margin_px: 0.0,

@@ -31,7 +31,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::UNIX_EPOCH;
 use touchline_core::files::FileCache;
 use touchline_core::geometry::hex;
-use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, generator};
+use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, FrameId, generator};
 use touchline_vision::media::{FrameRef, sha256_of_file, video_file_id};
 
 /// Maximum size of all results, bytes: the points of about three hours of video.
@@ -206,7 +206,7 @@ impl KeyParts<'_> {
         };
         self.add_picture(frame.picture_source(at.folder).as_ref());
         let mut frame = Frame::clone(frame);
-        frame.id = Default::default();
+        frame.id = FrameId::default();
         frame.revision = 0;
         frame.image = None;
         frame.video = None;
