@@ -68,8 +68,8 @@ pub struct CalibrateArgs {
     /// coincide, the base is right.
     #[arg(long, value_name = "FILE.png")]
     panorama: Option<PathBuf>,
-    /// Also write contact sheets into this folder: a page with one row a shot, with its camera, what
-    /// it shows, how many of its frames are right, and six of them with the field's lines.
+    /// Also write contact sheets into this folder: a page with one row a shot, with its camera,
+    /// what it shows, how many of its frames are right, and six of them with the field's lines.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Answer only the frames that are looked at. Otherwise a video's other frames are tracked from

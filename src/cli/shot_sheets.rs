@@ -1,5 +1,5 @@
-//! `calibrate --report`: a page with one row a shot, and a strip of its frames with the field's lines
-//! as their cameras project them.
+//! `calibrate --report`: a page with one row a shot, and a strip of its frames with the field's
+//! lines as their cameras project them.
 
 use crate::cli::terminal::output::write_file;
 use anyhow::Context as _;

@@ -63,7 +63,7 @@ impl Labelling<'_> {
         }
         let open = frames_without_camera(&trial);
         let clips = clips(trial.at(self.folder), None);
-        let mut evidence = ClipEvidences::kept(Arc::clone(&self.work));
+        let mut evidence = ClipEvidences::in_work(Arc::clone(&self.work));
         self.track(&mut trial, &clips, true, &mut evidence)?;
         if mean_confidence(&trial) < MIN_CONFIDENCE {
             return Ok(None);

@@ -47,7 +47,7 @@ impl ClipEvidences {
     }
 
     /// No evidence yet; passes and evidence are kept where `work` is.
-    pub const fn kept(work: Arc<KeptWork>) -> Self {
+    pub const fn in_work(work: Arc<KeptWork>) -> Self {
         Self {
             work,
             clips: Vec::new(),

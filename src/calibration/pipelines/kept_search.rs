@@ -1,6 +1,6 @@
 //! The answer of a search for a camera, as it is kept.
 
-use super::match_labels::NoCamera;
+use super::no_camera::NoCamera;
 use crate::calibrate::AutocalibratedCamera;
 use crate::calibrate::kept::Kept;
 use std::sync::Arc;

@@ -28,8 +28,7 @@ use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{LazyLock, Mutex, PoisonError};
-use std::time::UNIX_EPOCH;
-use touchline_core::files::FileCache;
+use touchline_core::files::{FileCache, state_of_program};
 use touchline_core::geometry::hex;
 use touchline_documents::document::{CameraId, Document, DocumentAt, Frame, FrameId, generator};
 use touchline_vision::media::{FrameRef, sha256_of_file, video_file_id};
@@ -145,15 +144,8 @@ impl KeptWork {
 
 /// The program, as far as results depend on it: its version, and size and time of its file, so
 /// that a program of the same version that was built again begins anew.
-static PROGRAM: LazyLock<String> = LazyLock::new(|| {
-    let file = std::env::current_exe().and_then(std::fs::metadata);
-    let built = file.map(|file| {
-        let modified = file.modified().ok();
-        let since = modified.and_then(|at| at.duration_since(UNIX_EPOCH).ok());
-        (file.len(), since.map_or(0, |since| since.as_nanos()))
-    });
-    format!("{} {:?}", generator(), built.ok())
-});
+static PROGRAM: LazyLock<String> =
+    LazyLock::new(|| format!("{} {:?}", generator(), state_of_program()));
 
 /// A key in the making.
 pub struct KeyParts<'a> {

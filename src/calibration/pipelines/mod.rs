@@ -16,18 +16,20 @@ mod kept_search;
 mod kept_work;
 mod match_labels;
 mod mend;
+mod no_camera;
 mod other_cameras;
 mod shots;
 mod track_clips;
 
 pub use forest_labels::{LearnForestError, LearningProgress};
 pub use match_labels::{
-    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, label_match,
+    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, label_match,
 };
 pub use mend::{
     CommonError, GivenCamera, GivenFault, MendError, MendEvent, MendOptions, Mended, MendedFrame,
     NotAligned, Outcome, Tally, mend,
 };
+pub use no_camera::NoCamera;
 pub use track_clips::TrackingEvent;
 pub use track_clips::track_clips;
 // For the crates above alone: no promise to other programs.

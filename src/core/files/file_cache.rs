@@ -1,4 +1,4 @@
-//! A folder of files that can be made again: read by name, of limited size, the oldest deleted first.
+//! A folder of files that can be made again: read by name, of limited size.
 
 use super::{read_regular, remove_stray_files, temporary_file_in};
 use std::io::{self, Write as _};
@@ -117,6 +117,15 @@ impl FileCache {
         }
         Ok(total)
     }
+}
+
+/// The size of the running program's file, bytes, and when it was written, ns since 1970; none if
+/// the system does not say. They differ between two programs of one version.
+pub fn state_of_program() -> Option<(u64, u128)> {
+    let file = std::env::current_exe().and_then(std::fs::metadata).ok()?;
+    let modified = file.modified().ok()?;
+    let since = modified.duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    Some((file.len(), since.as_nanos()))
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub use replace::NotReplaced;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    file_cache::FileCache,
+    file_cache::{FileCache, state_of_program},
     regular_file::{
         NotReadable, open_named, open_regular, read_named, read_named_text, read_regular,
         read_regular_within, refuse_linked_folder,

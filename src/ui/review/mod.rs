@@ -1,5 +1,5 @@
-//! The review panel: the list of suggestions or of shots, accepting many of them together, and where a label
-//! would help most.
+//! The review panel: the list of suggestions or of shots, accepting many of them together, and
+//! where a label would help most.
 
 mod list;
 mod shots;

@@ -7,6 +7,7 @@ mod error;
 mod evidence;
 mod fit;
 mod frames;
+mod kept_clips;
 mod options;
 mod paint;
 mod pictures;

@@ -7,7 +7,7 @@
 //! does not compile until it is kept, too.
 
 mod cameras;
-mod clips;
+mod paint;
 mod primitives;
 
 /// A value that is written as bytes and read back as the same value.

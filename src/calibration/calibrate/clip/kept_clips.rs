@@ -1,12 +1,8 @@
 //! Tracked clips as bytes.
 
-use super::{Kept, kept};
-use crate::calibrate::{
-    BasePaintEvidence, ClipStop, LengthOnLines, MovedReference, OnPaintErrors, TrackedClip,
-    TrackedFrame,
-};
+use super::track::{ClipStop, MovedReference, TrackedClip, TrackedFrame};
+use crate::calibrate::kept::{Kept, kept};
 use touchline_core::solve::Loss;
-use touchline_core::solve::base::HeldOutErrors;
 use touchline_vision::track::{
     ClipCamera, ClipLens, FollowOptions, Jitter, PointTrack, PointTracks, PosePrior, PriorSource,
 };
@@ -18,10 +14,6 @@ kept! {
     FollowOptions { points, refill, longest, max_width }
     ClipLens { principal_point, distortion, focal_px }
     PosePrior { frame, ptz, information, loss, source }
-    LengthOnLines { size, shifts, frames, is_prescribed }
-    HeldOutErrors { median_px, p90_px, count }
-    OnPaintErrors { paint, clicks }
-    BasePaintEvidence { frames, places, lines, before, after }
     ClipStop { picture, seen, agreeing }
     MovedReference { place, ptz, raw }
     TrackedFrame {
