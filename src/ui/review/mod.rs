@@ -22,7 +22,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .frame(Frame::new().inner_margin(Margin::same(8)))
         .show(ui, |ui| footer(panel, ui));
     choose_list(panel, ui);
-    if panel.app.session.review.shots {
+    if panel.app.session.review.shots.is_shown {
         return shots::show(panel, ui);
     }
     if panel.app.review().rows.is_empty() {
@@ -46,7 +46,7 @@ fn choose_list(panel: &mut Panel<'_>, ui: &mut Ui) {
         .app
         .open()
         .is_some_and(|open| !open.document.shots.is_empty());
-    let shown = panel.app.session.review.shots;
+    let shown = panel.app.session.review.shots.is_shown;
     if !has_shots && !shown {
         return;
     }

@@ -44,9 +44,9 @@ struct CachedRows {
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     orders(panel, ui);
     let Some(open) = panel.app.open() else { return };
-    let choice = panel.app.session.review;
+    let choice = panel.app.session.review.shots;
     let all = cached_rows(ui.ctx(), open);
-    let rows = in_order(all.to_vec(), choice.shot_order, choice.fields_only);
+    let rows = in_order(all.to_vec(), choice.order, choice.fields_only);
     if rows.is_empty() {
         Frame::new()
             .inner_margin(Margin::symmetric(8, 4))
@@ -93,9 +93,9 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
                 ui.spacing_mut().item_spacing.x = theme::SPACE;
-                let choice = panel.app.session.review;
+                let choice = panel.app.session.review.shots;
                 for order in ShotOrder::ALL {
-                    let is_chosen = order == choice.shot_order;
+                    let is_chosen = order == choice.order;
                     if ui
                         .add(Button::selectable(is_chosen, order.label()))
                         .clicked()

@@ -266,10 +266,17 @@ pub struct ReviewChoice {
     pub one_per_shot: bool,
     /// Whether the pointer is over the list; then its rows do not move.
     pub held: bool,
-    /// Whether shots are listed instead of suggestions.
-    pub shots: bool,
-    /// The order of the list of shots.
-    pub shot_order: ShotOrder,
+    /// The list of shots.
+    pub shots: ShotChoice,
+}
+
+/// The user's choices for the list of shots in the review panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShotChoice {
+    /// Whether it is shown instead of the suggestions.
+    pub is_shown: bool,
+    /// Its order.
+    pub order: ShotOrder,
     /// Whether shots without a field, and transitions, are left out of it.
     pub fields_only: bool,
 }
@@ -282,9 +289,7 @@ impl Default for ReviewChoice {
             with_disagreeing: false,
             one_per_shot: false,
             held: false,
-            shots: false,
-            shot_order: ShotOrder::default(),
-            fields_only: false,
+            shots: ShotChoice::default(),
         }
     }
 }
