@@ -3,6 +3,7 @@
 use super::Outcome;
 use super::match_report::MatchReport;
 use super::new::{parameter, read_field};
+use super::shot_sheets::write_sheets;
 use super::shot_table::{describe_shots, is_every_field_answered};
 use crate::cli::terminal::document::{
     Destination, DocumentOutput, Loaded, is_document, refuse_unwritable,
@@ -10,7 +11,8 @@ use crate::cli::terminal::document::{
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::{
-    encode_png, refuse_existing_file, refuse_file, refuse_other_than_png, write_file,
+    encode_png, refuse_existing, refuse_existing_file, refuse_file, refuse_other_than_png,
+    write_file,
 };
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, RgbaImage};
@@ -22,6 +24,7 @@ use touchline_calibration::calibrate::AutocalibratedCamera;
 use touchline_calibration::pipelines::{
     LabelledMatch, MatchEvent, MatchLabels, MatchOptions, label_match,
 };
+use touchline_calibration::proposals::{WORK_FOLDER, WorkFolder};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, document_from_frames};
@@ -35,6 +38,10 @@ use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES
 /// Where no answer is certain, the message names a frame and the number of landmarks to click in
 /// it, and the project is made without a camera; with these clicks it is taken in place of the
 /// images or the video.
+///
+/// Finished parts of the work are kept in the project's folder `.touchline/work`, by the content of
+/// the video and the settings: after Ctrl-C or a crash the same command goes on from there, and
+/// with another setting only what depends on it is done again. The folder may be deleted.
 #[derive(clap::Args, Debug)]
 pub struct CalibrateArgs {
     /// The folder of images, the video, or a document whose camera has no base yet.
@@ -61,6 +68,10 @@ pub struct CalibrateArgs {
     /// coincide, the base is right.
     #[arg(long, value_name = "FILE.png")]
     panorama: Option<PathBuf>,
+    /// Also write contact sheets into this folder: a page with one row a shot, with its camera,
+    /// what it shows, how many of its frames are right, and six of them with the field's lines.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
     /// Answer only the frames that are looked at. Otherwise a video's other frames are tracked from
     /// them, and a forest that learns from them finds the cameras of other images.
     #[arg(long)]
@@ -90,6 +101,10 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         refuse_other_than_png("--panorama", panorama)?;
         refuse_existing_file(panorama, args.force)?;
     }
+    if let Some(report) = &args.report {
+        refuse_file(report, "the contact sheets")?;
+        refuse_existing(report, args.force)?;
+    }
     // The document names its frames relative to the project's folder, which therefore must exist.
     // Its links are resolved: `..` in such a name goes up from where a link leads.
     let new_folder = NewFolder::make(&args.output)?;
@@ -109,6 +124,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         sampled_frames: args.look_at as usize,
         label_the_rest: !args.found_only,
         find_shots: true,
+        work: Some(WorkFolder::beside(&folder.join(PROJECT_FILE))),
     };
     let report = MatchReport::new(messages);
     let interrupt = Interrupt::listen();
@@ -122,18 +138,22 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         interrupt.check()
     });
     // Find the camera and label the frames.
+    let mut reader = CachedReader::new(FrameReader::new(), KEPT_BYTES);
     let labels = label_match(
         &mut document,
         &folder,
         &camera,
-        &mut CachedReader::new(FrameReader::new(), KEPT_BYTES),
+        &mut reader,
         &options,
         &progress,
     );
     drop(progress);
     drop(report);
     if labels.is_err() && interrupt.is_pressed() {
-        messages.note("stopped; no camera was found yet, nothing was written");
+        messages.note(
+            "stopped; no camera was found yet, and no project was written; the same command goes \
+             on from here",
+        );
         return Ok(Outcome::Stopped);
     }
     let labelled = match labels? {
@@ -143,7 +163,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
             let text = why.describe(&document);
             messages.error(&format!("{}: {text}", args.frames.display()));
             // The clicks are made in a project, which has no camera yet. Where clicks do not help,
-            // dropping `new_folder` removes the folder, if this run made it.
+            // `new_folder` is removed, if this run made it.
             if why.asks_for_clicks() {
                 output.write(document, &folder)?;
                 new_folder.keep();
@@ -152,6 +172,8 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
                     "{project}: the frames without a camera, to click in: touchline {project}; then touchline \
                      calibrate {project} -o {project} --force"
                 ));
+            } else {
+                new_folder.clear();
             }
             return Ok(Outcome::SomeFailed);
         }
@@ -186,12 +208,14 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     for line in describe_different_fields(all) {
         messages.note(&line);
     }
+    if let Some(report) = &args.report {
+        write_sheets(&document, &folder, &mut reader, report, args.force)?;
+    }
     if is_stopped {
-        let project = args.output.display();
-        messages.note(&format!(
-            "stopped: what was found until then is written; to go on: touchline track {project} \
-             --refine-base -o {project} --force"
-        ));
+        messages.note(
+            "stopped: what was found until then is written; the same command with --force goes on \
+             from here",
+        );
         return Ok(Outcome::Stopped);
     }
     if !args.found_only && (answered, unanswered) != (0, 0) {
@@ -359,6 +383,15 @@ impl NewFolder {
 
     fn keep(mut self) {
         self.0 = None;
+    }
+}
+
+impl NewFolder {
+    /// Removes the kept work from a new folder, so that nothing stays where there is no project.
+    fn clear(self) {
+        if let Some(folder) = &self.0 {
+            let _ = std::fs::remove_dir_all(folder.join(WORK_FOLDER));
+        }
     }
 }
 

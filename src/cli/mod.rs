@@ -31,6 +31,7 @@ mod refine_base;
 mod relocalize;
 mod render;
 mod season;
+mod shot_sheets;
 mod shot_table;
 mod snap;
 mod solve;

@@ -1,25 +1,15 @@
 //! The table with which `calibrate` ends: the frames of each camera by what their shots show.
 
 use std::collections::BTreeMap;
+use touchline_application::scene::shot_list::{ShotRow, ShotShows, shot_rows};
 use touchline_core::geometry::thousands;
-use touchline_documents::document::{
-    Document, Frame, FrameStatus, Shot, ShotContent, ShotKind, shots_of_frames,
-};
-use touchline_vision::relocalize::CERTAIN;
+use touchline_documents::document::{Document, FrameStatus, shots_of_frames};
 
 /// Maximum number of shots without a camera that are listed one by one.
 const MAX_LISTED: usize = 12;
 
 /// The name of the row of shots in which no frame has a camera.
 const NO_CAMERA: &str = "no camera";
-
-/// What the frames of a row show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum RowKind {
-    Field,
-    NoField,
-    Transition,
-}
 
 /// The counts of a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,44 +21,27 @@ struct Row {
     none: usize,
 }
 
-/// The frames of a shot, by how they are answered.
-#[derive(Clone, Debug)]
-struct ShotRow {
-    kind: RowKind,
-    camera: String,
-    first: String,
-    last: String,
-    counts: Row,
-}
-
-impl ShotRow {
-    /// Whether it shows a field, and no frame has a camera.
-    fn is_without_camera(&self) -> bool {
-        self.kind == RowKind::Field && self.counts.none == self.counts.frames
-    }
-}
-
 /// The lines of the table, and of the shots of a field that got no camera; none for a document
 /// without shots or with a single one.
 pub fn describe_shots(document: &Document) -> Vec<String> {
-    let shots = rows_of_shots(document);
+    let shots = shot_rows(document);
     if shots.len() < 2 {
         return Vec::new();
     }
-    let mut rows: BTreeMap<(RowKind, &str), Row> = BTreeMap::new();
+    let mut rows: BTreeMap<(ShotShows, &str), Row> = BTreeMap::new();
     for shot in &shots {
         // Which camera would have filmed a crowd or a dissolve is not known.
-        let camera = match shot.kind {
-            RowKind::Field if shot.is_without_camera() => NO_CAMERA,
-            RowKind::Field => shot.camera.as_str(),
-            RowKind::NoField | RowKind::Transition => "",
+        let camera = match shot.shows {
+            ShotShows::Field if shot.is_without_camera() => NO_CAMERA,
+            ShotShows::Field => shot.camera.as_str(),
+            ShotShows::NoField | ShotShows::Transition => "",
         };
-        let row = rows.entry((shot.kind, camera)).or_default();
+        let row = rows.entry((shot.shows, camera)).or_default();
         row.shots += 1;
-        row.frames += shot.counts.frames;
-        row.certain += shot.counts.certain;
-        row.uncertain += shot.counts.uncertain;
-        row.none += shot.counts.none;
+        row.frames += shot.frames;
+        row.certain += shot.certain;
+        row.uncertain += shot.uncertain;
+        row.none += shot.none;
     }
     let mut lines = vec![line([
         "camera",
@@ -81,9 +54,9 @@ pub fn describe_shots(document: &Document) -> Vec<String> {
     ])];
     for ((kind, camera), row) in rows {
         let (camera, reason) = match kind {
-            RowKind::Field => (camera, ""),
-            RowKind::NoField => ("no field", "no lines of a field in view"),
-            RowKind::Transition => ("between shots", "dissolves, wipes and fades"),
+            ShotShows::Field => (camera, ""),
+            ShotShows::NoField => ("no field", "no lines of a field in view"),
+            ShotShows::Transition => ("between shots", "dissolves, wipes and fades"),
         };
         let [shots, frames, certain, uncertain, none] =
             [row.shots, row.frames, row.certain, row.uncertain, row.none].map(thousands);
@@ -97,7 +70,9 @@ pub fn describe_shots(document: &Document) -> Vec<String> {
         lines.push(format!(
             "no camera from {} to {} ({} frames): neither the search nor the frames of the other \
              shots know it; 4 clicks in one of them do",
-            shot.first, shot.last, shot.counts.frames
+            document.frames[shot.first].name(),
+            document.frames[shot.last].name(),
+            shot.frames
         ));
     }
     if without.len() > MAX_LISTED {
@@ -114,48 +89,11 @@ pub fn describe_shots(document: &Document) -> Vec<String> {
 pub fn is_every_field_answered(document: &Document) -> bool {
     let shots = shots_of_frames(document);
     document.frames.iter().zip(shots).all(|(frame, shot)| {
-        let kind = shot.map_or(RowKind::Field, |shot| kind_of(&document.shots[shot]));
-        frame.ptz.is_some() || kind != RowKind::Field || frame.status == FrameStatus::Rejected
-    })
-}
-
-fn rows_of_shots(document: &Document) -> Vec<ShotRow> {
-    let mut rows: BTreeMap<usize, ShotRow> = BTreeMap::new();
-    for (frame, shot) in document.frames.iter().zip(shots_of_frames(document)) {
-        let Some(shot) = shot else { continue };
-        let row = rows.entry(shot).or_insert_with(|| ShotRow {
-            kind: kind_of(&document.shots[shot]),
-            camera: frame.camera.as_str().to_owned(),
-            first: frame.name(),
-            last: String::new(),
-            counts: Row::default(),
+        let kind = shot.map_or(ShotShows::Field, |shot| {
+            ShotShows::from_shot(&document.shots[shot])
         });
-        row.last = frame.name();
-        row.counts.frames += 1;
-        match confidence(frame) {
-            None => row.counts.none += 1,
-            Some(confidence) if confidence >= CERTAIN => row.counts.certain += 1,
-            Some(_) => row.counts.uncertain += 1,
-        }
-    }
-    rows.into_values().collect()
-}
-
-fn kind_of(shot: &Shot) -> RowKind {
-    match (shot.kind, shot.content) {
-        (ShotKind::Transition, _) => RowKind::Transition,
-        (_, Some(ShotContent::NoField)) => RowKind::NoField,
-        _ => RowKind::Field,
-    }
-}
-
-/// How certain a frame's camera is, 0 to 1; none without a camera.
-fn confidence(frame: &Frame) -> Option<f64> {
-    frame.ptz.as_ref()?;
-    if frame.status == FrameStatus::Reference {
-        return Some(1.0);
-    }
-    Some(frame.confidence().unwrap_or(0.0))
+        frame.ptz.is_some() || kind != ShotShows::Field || frame.status == FrameStatus::Rejected
+    })
 }
 
 /// A line of the table: a name, five numbers, a remark.
@@ -170,7 +108,9 @@ fn line([name, shots, frames, certain, uncertain, none, remark]: [&str; 7]) -> S
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Solution, VideoFrame, VideoShots};
+    use touchline_documents::document::{
+        Frame, ShotContent, ShotKind, Solution, VideoFrame, VideoShots,
+    };
     use touchline_documents::testing::{ptz_at, soccer_document};
 
     fn document() -> Document {

@@ -73,6 +73,7 @@ pub fn calibrate(
         label_the_rest: !found_only,
         // Frames that Python decodes are read when they are needed, and these need few.
         find_shots: !found_only,
+        work: None,
     };
     let folder = std::path::absolute(".")?;
     // Texts and paths are sequences in Python, too, so that a path is tried first.

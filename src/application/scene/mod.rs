@@ -8,6 +8,7 @@
 //! | [`next_click`] | the landmarks that are worth clicking next |
 //! | [`field_map`] | the field from above |
 //! | [`paint_map`] | paint and lines over pan and tilt |
+//! | [`shot_list`] | the shots of a document as rows of a table |
 //! | [`timeline`] | the frames of a document on one line |
 //!
 //! The functions are pure: from a field, a camera and clicks to data. They know neither widgets nor
@@ -20,6 +21,7 @@ mod line_colours;
 pub mod next_click;
 pub mod overlay;
 pub mod paint_map;
+pub mod shot_list;
 mod style;
 pub mod timeline;
 pub mod uncertainty;

@@ -18,6 +18,7 @@ mod disagreement;
 mod field_size;
 mod frames;
 mod gold;
+pub(crate) mod kept;
 mod own_noise;
 mod paint;
 
@@ -36,11 +37,11 @@ pub use base::paint_observations::{BaseOnPaintError, FRAMES_FOR_PAINT};
 pub(crate) use base::refit::{OnBase, ground_moved_px, ptz_on_base};
 pub use base_readiness::BaseReadiness;
 pub use check::{Fault, Problem};
-pub(crate) use clip::record_tracked_frame;
 pub use clip::{
     ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipSpan, ClipStop, MovedReference,
     TrackClipError, TrackClipOptions, TrackedClip, TrackedFrame, track_clip,
 };
+pub(crate) use clip::{EvidenceBytes, record_tracked_frame};
 pub(crate) use disagreement::disagreement;
 pub(crate) use field_size::on_lines::LENGTH_UNSEEN;
 pub use field_size::on_lines::LengthOnLines;

@@ -9,17 +9,19 @@
 //! The paint judges what the clicks say: where the tracked frames do not lie on it, nothing is
 //! answered, and the search of [`label_match`](super::label_match) follows.
 
+use super::clip_evidence::ClipEvidences;
 use super::forest_labels::PictureFiles;
+use super::kept_work::DocumentChange;
 use super::match_labels::{
     LabelMatchError, LabelledMatch, Labelling, MatchEvent, frames_without_camera, has_video,
     learn_from_frames, query_forest,
 };
 use super::track_clips::{
-    TrackingEvent, TrackingOptions, give_first_base, mean_confidence, track_clips,
+    TrackingEvent, TrackingOptions, give_first_base, mean_confidence, track_kept_clips,
 };
-use crate::calibrate::{ClipEvidence, ClipFrames, clips};
-use crate::proposals::FeatureStore;
+use crate::calibrate::{ClipFrames, clips};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use touchline_core::geometry::subsample;
 use touchline_core::solve::base::BaseOptions;
 use touchline_documents::document::{
@@ -61,7 +63,7 @@ impl Labelling<'_> {
         }
         let open = frames_without_camera(&trial);
         let clips = clips(trial.at(self.folder), None);
-        let mut evidence = Vec::new();
+        let mut evidence = ClipEvidences::in_work(Arc::clone(&self.work));
         self.track(&mut trial, &clips, true, &mut evidence)?;
         if mean_confidence(&trial) < MIN_CONFIDENCE {
             return Ok(None);
@@ -91,14 +93,14 @@ impl Labelling<'_> {
         document: &mut Document,
         clips: &[ClipFrames],
         refine_base: bool,
-        evidence: &mut Vec<ClipEvidence>,
+        evidence: &mut ClipEvidences,
     ) -> Result<(), LabelMatchError> {
         let options = TrackingOptions {
             refine_base,
             ..TrackingOptions::default()
         };
         let progress = self.progress.part(MatchEvent::Tracking);
-        track_clips(
+        track_kept_clips(
             document,
             self.folder,
             clips,
@@ -111,8 +113,36 @@ impl Labelling<'_> {
     }
 
     /// Queries a forest that learns from the tracked frames for some of the frames that tracking
-    /// did not reach. True if it is certain of any.
+    /// did not reach, or takes its answers where they were kept. True if it is certain of any.
     pub(super) fn label_other_shots(
+        &mut self,
+        document: &mut Document,
+    ) -> Result<bool, LabelMatchError> {
+        let key = self.work.begin_key("other shots").and_then(|mut parts| {
+            let at = document.at(self.folder);
+            parts.add_document(at);
+            parts.add_frames(at);
+            parts.finish()
+        });
+        let kept: Option<(bool, DocumentChange)> =
+            key.as_ref().and_then(|key| self.work.recall(key));
+        if let Some((is_certain, change)) = kept
+            && let Some(changed) = change.apply(document)
+        {
+            *document = changed;
+            return Ok(is_certain);
+        }
+        let before = document.clone();
+        let is_certain = self.ask_forest_of_other_shots(document)?;
+        if let Some(key) = key.filter(|_| !self.progress.is_cancelled())
+            && let Some(change) = DocumentChange::between(&before, document)
+        {
+            self.work.keep(&key, &(is_certain, change));
+        }
+        Ok(is_certain)
+    }
+
+    fn ask_forest_of_other_shots(
         &mut self,
         document: &mut Document,
     ) -> Result<bool, LabelMatchError> {
@@ -126,7 +156,7 @@ impl Labelling<'_> {
         if learnt.is_empty() {
             return Ok(false);
         }
-        let store = FeatureStore::in_memory();
+        let store = self.feature_store();
         let at = document.at(self.folder);
         let progress = self.progress.part(MatchEvent::Learning);
         let Some(forest) = learn_from_frames(at, &learnt, self.reader, &store, &progress)? else {

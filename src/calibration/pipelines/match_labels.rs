@@ -12,19 +12,24 @@
 //!    a forest that learns from the tracked frames, and are tracked in their turn. For images, a
 //!    forest is trained on the frames that lie on their paint, and queried.
 
+use super::clip_evidence::ClipEvidences;
 use super::forest_labels::{
     ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames,
     learn_forest,
 };
+use super::kept_search::{KeptAnswer, KeptSearch};
+use super::kept_work::KeptWork;
+use super::no_camera::NoCamera;
 use super::other_cameras::split_off;
 use super::shots::mark_shots;
-use super::track_clips::{TrackingEvent, TrackingOptions, track_clips};
+use super::track_clips::{TrackingEvent, TrackingOptions, track_kept_clips};
 use crate::autocalibrate::{
-    Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
-    DecidingLandmark, WantedClicks, find_camera,
+    AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, find_camera,
 };
 use crate::calibrate::{AutocalibratedCamera, clips, record_found};
-use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, read_picture};
+use crate::proposals::{
+    FeatureStore, FramePictures, LearnOptions, PictureError, WorkFolder, read_picture,
+};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -41,7 +46,7 @@ use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions};
 
 /// Options of labelling a match.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MatchOptions {
     /// Maximum number of frames from which each camera is found. 40 by default.
     pub sampled_frames: usize,
@@ -49,6 +54,10 @@ pub struct MatchOptions {
     pub label_the_rest: bool,
     /// Whether the shots of a video are found first, which reads all its frames. True by default.
     pub find_shots: bool,
+    /// The folder in which finished parts of the work are kept, by content: work that was stopped
+    /// goes on from there, and memory does not grow with the length of a video. None by default:
+    /// nothing is kept.
+    pub work: Option<WorkFolder>,
 }
 
 impl Default for MatchOptions {
@@ -57,6 +66,7 @@ impl Default for MatchOptions {
             sampled_frames: 40,
             label_the_rest: true,
             find_shots: true,
+            work: None,
         }
     }
 }
@@ -137,99 +147,6 @@ pub enum MatchLabels {
     NoCamera(NoCamera),
 }
 
-/// Why a search gave no camera.
-#[derive(Debug)]
-pub enum NoCamera {
-    /// Two cameras explain the paint about equally well.
-    Two {
-        /// The camera that explains a little more.
-        best: Box<AutocalibratedCamera>,
-        /// The other camera.
-        other: Box<AutocalibratedCamera>,
-        /// A click that decides between the two.
-        deciding: Option<DecidingLandmark>,
-    },
-    /// The search took as many steps as that of the first camera, and had no answer by then.
-    Expensive,
-    /// No answer is certain.
-    Abstained {
-        /// Why.
-        why: Abstention,
-        /// The clicks that would most likely lead to an answer.
-        clicks: Option<WantedClicks>,
-    },
-}
-
-impl NoCamera {
-    /// Whether clicks that it names would lead to an answer.
-    pub const fn asks_for_clicks(&self) -> bool {
-        match self {
-            Self::Two { .. } => true,
-            Self::Expensive => false,
-            Self::Abstained { clicks, .. } => clicks.is_some(),
-        }
-    }
-
-    /// A message for the user: why no camera is given, and what would help. `document` is the one
-    /// whose frames were searched.
-    pub fn describe(&self, document: &Document) -> String {
-        match self {
-            Self::Two {
-                best,
-                other,
-                deciding,
-            } => describe_two(document, best, other, deciding.as_ref()),
-            Self::Expensive => "not found at the cost of the first camera; click 4 landmarks on 2 \
-                                of its frames in the window"
-                .to_owned(),
-            Self::Abstained { why, clicks } => {
-                format!("{why}{}", describe_clicks(document, clicks.as_ref()))
-            }
-        }
-    }
-}
-
-/// A message for two candidates, with the click that decides between them.
-fn describe_two(
-    document: &Document,
-    best: &AutocalibratedCamera,
-    other: &AutocalibratedCamera,
-    deciding: Option<&DecidingLandmark>,
-) -> String {
-    let click = deciding.map_or_else(
-        || "click 4 landmarks on 2 frames".to_owned(),
-        |deciding| {
-            let frame = document.frames[deciding.frame].name();
-            let [here, there] = deciding
-                .image
-                .map(|image| format!("({:.0}, {:.0})", image.x, image.y));
-            format!(
-                "one click decides: {} on {frame} is at {here} or at {there} px",
-                deciding.landmark.as_str()
-            )
-        },
-    );
-    format!(
-        "two places for the camera explain the paint, {} and {}, so none is given; {click}",
-        format_position(best),
-        format_position(other)
-    )
-}
-
-fn format_position(found: &AutocalibratedCamera) -> String {
-    let at = found.base.position_m;
-    format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
-}
-
-/// The clicks that would help after an abstention, as a part of a sentence.
-fn describe_clicks(document: &Document, clicks: Option<&WantedClicks>) -> String {
-    clicks.map_or_else(String::new, |clicks| {
-        let frame = document.frames[clicks.frame].name();
-        let landmarks = clicks.describe_landmarks(|id| id.as_str().to_owned());
-        format!("; click {landmarks} on {frame} in the window, and search again with them")
-    })
-}
-
 /// The cameras of a match that was labelled.
 #[derive(Debug)]
 pub struct LabelledMatch {
@@ -304,6 +221,12 @@ pub fn label_match(
         options,
         progress,
         search_steps: 0,
+        work: Arc::new(
+            options
+                .work
+                .as_ref()
+                .map_or_else(KeptWork::none, KeptWork::in_folder),
+        ),
     };
     if options.find_shots && has_video(labelling.document) {
         labelling.find_shots()?;
@@ -435,13 +358,27 @@ pub(super) struct Labelling<'a> {
     pub progress: &'a Progress<'a, MatchEvent>,
     /// The number of steps that the last search took.
     search_steps: usize,
+    /// The finished parts.
+    pub work: Arc<KeptWork>,
 }
 
 impl Labelling<'_> {
+    /// The features of pictures; on disk where work is kept.
+    pub(super) fn feature_store(&self) -> FeatureStore {
+        let folder = self.options.work.as_ref();
+        folder.map_or_else(FeatureStore::in_memory, FeatureStore::on_disk)
+    }
+
     /// Finds the shots of videos that have none in the document yet.
     fn find_shots(&mut self) -> Result<(), AutocalibrationError> {
         let progress = self.progress.part(MatchEvent::FindingShots);
-        mark_shots(self.document, self.folder, self.reader, &progress);
+        mark_shots(
+            self.document,
+            self.folder,
+            self.reader,
+            &self.work,
+            &progress,
+        );
         if progress.is_cancelled() {
             return Err(AutocalibrationError::Stopped);
         }
@@ -458,9 +395,37 @@ impl Labelling<'_> {
         Ok(())
     }
 
+    /// Searches for a camera, unless the answer to the same search was kept.
+    fn search(
+        &mut self,
+        camera: &CameraId,
+        most_steps: usize,
+    ) -> Result<Result<Arc<AutocalibratedCamera>, NoCamera>, AutocalibrationError> {
+        let key = self.work.begin_key("search").and_then(|mut parts| {
+            let at = self.document.at(self.folder);
+            parts.add(camera);
+            parts.add(&self.options.sampled_frames);
+            parts.add(&most_steps);
+            parts.add_document(at);
+            parts.add_frames(at);
+            parts.finish()
+        });
+        let kept: Option<KeptSearch> = key.as_ref().and_then(|key| self.work.recall(key));
+        if let Some((steps, answer)) = kept {
+            self.search_steps = steps;
+            return Ok(answer.into_answer());
+        }
+        let answer = self.search_afresh(camera, most_steps)?;
+        if let Some(key) = key {
+            let kept = KeptAnswer::from_answer(&answer, self.document);
+            self.work.keep(&key, &(self.search_steps, kept));
+        }
+        Ok(answer)
+    }
+
     /// Searches for a camera. Each picture that cannot be read is reported once. The search ends
     /// after `most_steps` of its steps, and then gives [`NoCamera::Expensive`].
-    fn search(
+    fn search_afresh(
         &mut self,
         camera: &CameraId,
         most_steps: usize,
@@ -609,13 +574,13 @@ impl Labelling<'_> {
             places().any(is_known) && !places().all(is_known)
         });
         let progress = self.progress.part(MatchEvent::Tracking);
-        track_clips(
+        track_kept_clips(
             self.document,
             self.folder,
             &clips,
             self.reader,
             &options,
-            &mut Vec::new(),
+            &mut ClipEvidences::in_work(Arc::clone(&self.work)),
             &progress,
         )?;
         Ok(())
@@ -626,11 +591,9 @@ impl Labelling<'_> {
         &mut self,
         found: &[Arc<AutocalibratedCamera>],
     ) -> Result<(), LabelMatchError> {
-        let store = FeatureStore::in_memory();
+        let store = self.feature_store();
         let at = self.document.at(self.folder);
         let progress = self.progress.part(MatchEvent::Learning);
-        // The features are extracted once for training and queries, and are of no use afterwards,
-        // so they stay in memory.
         let Some(learnt) = learn_from_found(at, found, &mut *self.reader, &store, &progress)?
         else {
             return Ok(());

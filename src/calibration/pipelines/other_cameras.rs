@@ -3,7 +3,7 @@
 
 use crate::calibrate::add_camera_like;
 use std::collections::BTreeMap;
-use touchline_documents::document::{CameraId, Document};
+use touchline_documents::document::{CameraId, Clip, Document};
 
 /// Minimum number of frames for a separate camera.
 const MIN_FRAMES: usize = 6;
@@ -36,6 +36,14 @@ pub(super) fn split_off(
     let mut is_other: BTreeMap<usize, bool> =
         looked_at.iter().map(|index| (*index, false)).collect();
     is_other.extend(others.iter().map(|index| (*index, true)));
+    // One camera films a shot, so that its sampled frames decide for all its frames; in doubt those
+    // of the camera that was found, whose frames match each other.
+    let mut of_shot: BTreeMap<Clip, bool> = BTreeMap::new();
+    for (index, is_other) in &is_other {
+        if let Some(shot) = &document.frames[*index].clip {
+            *of_shot.entry(shot.clone()).or_insert(true) &= *is_other;
+        }
+    }
     for index in 0..document.frames.len() {
         // A sampled frame is its own neighbour on both sides, so it gets the camera that it was
         // found to have.
@@ -44,12 +52,13 @@ pub(super) fn split_off(
             .next_back()
             .map(|(_, other)| *other);
         let after = is_other.range(index..).next().map(|(_, other)| *other);
-        let frame = &mut document.frames[index];
-        if frame.camera == *camera
-            && before.or(after) == Some(true)
-            && after.or(before) == Some(true)
-        {
-            frame.camera = id.clone();
+        let frame = &document.frames[index];
+        let of_shot = frame.clip.as_ref().and_then(|shot| of_shot.get(shot));
+        let is_of_new = of_shot
+            .copied()
+            .unwrap_or_else(|| before.or(after) == Some(true) && after.or(before) == Some(true));
+        if frame.camera == *camera && is_of_new {
+            document.frames[index].camera = id.clone();
         }
     }
     Some(id)
@@ -103,6 +112,20 @@ mod tests {
             (12..24).collect::<Vec<_>>(),
             "frame 11 may be either's"
         );
+        // A shot is one camera's, although its last frames lie behind a frame of the other one.
+        let mut shots = soccer_document();
+        shots.cameras = document.cameras.clone();
+        for index in 0..24 {
+            let mut frame = document.frames[index].clone();
+            frame.camera = "main".into();
+            frame.clip = Some(Clip::Number(u64::from(index >= 9)));
+            shots.frames.push(frame);
+        }
+        let others: Vec<usize> = (12..24).step_by(2).collect();
+        let looked_at = [0, 4, 8];
+        let id = split_off(&mut shots, &"main".into(), &looked_at, &others).unwrap();
+        let of_other = shots.frames.iter().filter(|frame| frame.camera == id);
+        assert_eq!(of_other.count(), 15, "frames 9 to 23");
         let third = split_off(&mut document, &id, &others[..0], &others).unwrap();
         assert_eq!(third.as_str(), "main_3");
     }

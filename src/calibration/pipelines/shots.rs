@@ -1,5 +1,7 @@
 //! The shots of a document's videos: found, and written into the document.
 
+use super::kept_work::KeptWork;
+use crate::calibrate::kept::kept;
 use crate::proposals::{PictureStream, read_picture};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -24,6 +26,10 @@ const PAINT_WIDTH_PX: f64 = 1280.0;
 /// 0.67 and more; courts fill less of a picture.
 const LEAST_GROUND: f64 = 0.1;
 
+kept! {
+    FoundCut { frame, transition }
+}
+
 /// The boundaries of shots that a search found, as a document lists them: the first frame of each
 /// transition and of each shot but the first one.
 pub fn shot_starts(cuts: &[FoundCut]) -> Vec<(u64, ShotKind)> {
@@ -45,17 +51,34 @@ pub fn shot_starts(cuts: &[FoundCut]) -> Vec<(u64, ShotKind)> {
 ///
 /// Returns the number of shots that were found, with those of other videos; after a cancellation
 /// the document has the shots of the videos that were finished.
-pub fn mark_shots(
+pub(super) fn mark_shots(
     document: &mut Document,
     folder: &Path,
     reader: &mut dyn ReadFrames,
+    work: &KeptWork,
     progress: &Progress<'_, Share>,
 ) -> usize {
     for (video, frames) in videos_without_shots(document) {
-        let pictures = PictureStream::new(document.at(folder), frames.iter().map(|(_, at)| *at))
-            .with_reader(&mut *reader)
-            .with_progress(progress.part(|share| share));
-        let cuts = find_cuts(pictures.map(|frame| frame.picture.ok()));
+        let key = work.begin_key("cuts").and_then(|mut parts| {
+            for (_, index) in &frames {
+                let picture = document.frames[*index].picture_source(folder);
+                parts.add_picture(picture.as_ref());
+            }
+            parts.finish()
+        });
+        let cuts = if let Some(kept) = key.as_ref().and_then(|key| work.recall(key)) {
+            kept
+        } else {
+            let at = document.at(folder);
+            let pictures = PictureStream::new(at, frames.iter().map(|(_, at)| *at))
+                .with_reader(&mut *reader)
+                .with_progress(progress.part(|share| share));
+            let cuts = find_cuts(pictures.map(|frame| frame.picture.ok()));
+            if let Some(key) = key.filter(|_| !progress.is_cancelled()) {
+                work.keep(&key, &cuts);
+            }
+            cuts
+        };
         let (Some((last, _)), false) = (frames.last(), progress.is_cancelled()) else {
             break;
         };
@@ -67,7 +90,7 @@ pub fn mark_shots(
         VideoShots::from_search(document, &video, found).write(document);
     }
     if !progress.is_cancelled() {
-        mark_contents(document, folder, reader);
+        mark_contents(document, folder, reader, work, progress);
     }
     let shots = document.shots.iter();
     shots
@@ -101,7 +124,13 @@ fn videos_without_shots(document: &Document) -> Vec<(String, Vec<(u64, usize)>)>
 }
 
 /// Writes what each shot shows that does not say so yet.
-fn mark_contents(document: &mut Document, folder: &Path, reader: &mut dyn ReadFrames) {
+fn mark_contents(
+    document: &mut Document,
+    folder: &Path,
+    reader: &mut dyn ReadFrames,
+    work: &KeptWork,
+    progress: &Progress<'_, Share>,
+) {
     let mut frames_of: Vec<Vec<usize>> = vec![Vec::new(); document.shots.len()];
     for (frame, shot) in shots_of_frames(document).into_iter().enumerate() {
         if let Some(shot) = shot {
@@ -113,13 +142,32 @@ fn mark_contents(document: &mut Document, folder: &Path, reader: &mut dyn ReadFr
         if shot.content.is_some() || shot.kind == ShotKind::Transition {
             continue;
         }
-        let shown: Vec<bool> = subsample(frames, LOOKED_AT)
-            .filter_map(|frame| {
-                let frame = &document.frames[frame];
+        if progress.is_cancelled() {
+            return;
+        }
+        let looked_at: Vec<usize> = subsample(frames, LOOKED_AT).collect();
+        let key = work.begin_key("content").and_then(|mut parts| {
+            for frame in &looked_at {
+                let frame = &document.frames[*frame];
+                parts.add_picture(frame.picture_source(folder).as_ref());
+                parts.add(&document.masks_of(frame));
+            }
+            parts.finish()
+        });
+        let shown = if let Some(kept) = key.as_ref().and_then(|key| work.recall(key)) {
+            kept
+        } else {
+            let looks = looked_at.iter().filter_map(|frame| {
+                let frame = &document.frames[*frame];
                 let picture = read_picture(&mut *reader, frame, folder).ok()?;
                 Some(shows_field(&picture, &document.masks_of(frame)))
-            })
-            .collect();
+            });
+            let shown: Vec<bool> = looks.collect();
+            if let Some(key) = key {
+                work.keep(&key, &shown);
+            }
+            shown
+        };
         if !shown.is_empty() {
             document.shots[index].content = Some(if shown.contains(&true) {
                 ShotContent::Field

@@ -5,6 +5,8 @@
 //! pass is discarded: the field or base is corrected in the document as it was before, and the
 //! clips are tracked again with the point tracks that were already measured.
 
+use super::clip_evidence::ClipEvidences;
+use super::kept_work::DocumentChange;
 use crate::calibrate::{
     BaseEstimationError, BasePaintEvidence, BaseProblem, ClipEvidence, ClipFrames, ClipProgress,
     ClipSpan, LengthOnLines, Misnamed, TrackClipError, TrackClipOptions, TrackedClip,
@@ -98,7 +100,28 @@ pub fn track_clips(
     evidence: &mut Vec<ClipEvidence>,
     progress: &Progress<'_, TrackingEvent>,
 ) -> Result<TrackedFrames, FieldError> {
-    evidence.resize(clips.len(), ClipEvidence::default());
+    let mut held = ClipEvidences::in_memory(std::mem::take(evidence));
+    let tracked = track_kept_clips(
+        document, folder, clips, reader, options, &mut held, progress,
+    );
+    *evidence = held.into_memory();
+    tracked
+}
+
+/// As [`track_clips`]; passes over clips that were kept are taken from there.
+///
+/// # Errors
+/// As there.
+pub(super) fn track_kept_clips(
+    document: &mut Document,
+    folder: &Path,
+    clips: &[ClipFrames],
+    reader: &mut dyn ReadFrames,
+    options: &TrackingOptions,
+    evidence: &mut ClipEvidences,
+    progress: &Progress<'_, TrackingEvent>,
+) -> Result<TrackedFrames, FieldError> {
+    evidence.resize(clips.len());
     let mut without_base = BTreeMap::new();
     if options.refine_base {
         for camera in cameras_of(clips) {
@@ -178,6 +201,9 @@ fn cameras_of(clips: &[ClipFrames]) -> BTreeSet<&CameraId> {
     clips.iter().map(|clip| &clip.camera).collect()
 }
 
+/// A refinement of a base that was kept: the evidence, if the base was replaced, and the change.
+type KeptBase = (Option<BasePaintEvidence>, DocumentChange);
+
 /// The state while clips are tracked.
 struct Tracking<'a> {
     folder: &'a Path,
@@ -186,7 +212,7 @@ struct Tracking<'a> {
     without_base: BTreeMap<&'a CameraId, BaseEstimationError>,
     reader: &'a mut dyn ReadFrames,
     options: &'a TrackingOptions,
-    evidence: &'a mut [ClipEvidence],
+    evidence: &'a mut ClipEvidences,
     progress: &'a Progress<'a, TrackingEvent>,
     /// The lengths of fields that the last pass found to be others than assumed.
     lengths: Vec<LengthOnLines>,
@@ -220,16 +246,22 @@ impl Tracking<'_> {
             // All clips are tracked from the document as it was before the pass, so that their
             // order does not matter.
             let of_clip = self.progress.part(TrackingEvent::Progress);
-            let (at, evidence) = (known.at(self.folder), &mut self.evidence[index]);
-            let end = match track_clip(
-                at,
-                clip,
-                field,
-                self.reader,
-                &self.options.clip,
-                evidence,
-                &of_clip,
-            ) {
+            let at = known.at(self.folder);
+            let options = &self.options.clip;
+            let key = self.evidence.key(at, clip, (index, field), options);
+            let kept = key
+                .as_ref()
+                .and_then(|key| self.evidence.recall(index, key));
+            let tracked = if let Some(tracked) = kept {
+                Ok(tracked)
+            } else {
+                let evidence = self.evidence.load(index, clip);
+                let tracked = track_clip(at, clip, field, self.reader, options, evidence, &of_clip);
+                self.evidence
+                    .keep(index, key.as_ref(), tracked.as_ref().ok());
+                tracked
+            };
+            let end = match tracked {
                 Ok(tracked) => {
                     record_tracked(document, &tracked);
                     frames.tracked += tracked.frames.len();
@@ -359,7 +391,7 @@ impl Tracking<'_> {
                 return None;
             }
             // With too little paint, or with clicks that determine no base, the base stays.
-            let Ok(Some(seen)) = self.refine_base(tracked, camera, &mut refined) else {
+            let Ok(Some(seen)) = self.refine_or_recall(tracked, camera, &mut refined) else {
                 continue;
             };
             is_any = true;
@@ -372,6 +404,45 @@ impl Tracking<'_> {
             }
         }
         is_any.then_some(refined)
+    }
+
+    /// As [`refine_base`](Self::refine_base), unless the result was kept.
+    fn refine_or_recall(
+        &mut self,
+        tracked: &Document,
+        camera: &CameraId,
+        refined: &mut Document,
+    ) -> Result<Option<BasePaintEvidence>, BaseEstimationError> {
+        let work = self.evidence.work();
+        let key = work.begin_key("base").and_then(|mut parts| {
+            parts.add(camera);
+            for document in [tracked, &*refined] {
+                let at = document.at(self.folder);
+                parts.add_document(at);
+                let of_camera = at.document.frames.iter().enumerate();
+                for (index, _) in of_camera.filter(|(_, frame)| frame.camera == *camera) {
+                    parts.add(&index);
+                    parts.add_frame(at, index);
+                }
+            }
+            parts.finish()
+        });
+        let kept: Option<KeptBase> = key.as_ref().and_then(|key| work.recall(key));
+        if let Some((seen, change)) = kept
+            && let Some(changed) = change.apply(refined)
+        {
+            *refined = changed;
+            return Ok(seen);
+        }
+        let before = refined.clone();
+        let seen = self.refine_base(tracked, camera, refined)?;
+        if let Some(key) = key
+            && let Some(change) = DocumentChange::between(&before, refined)
+        {
+            let kept: KeptBase = (seen.clone(), change);
+            self.evidence.work().keep(&key, &kept);
+        }
+        Ok(seen)
     }
 
     /// Writes the base from the paint of the tracked frames into `refined`, with the frames known

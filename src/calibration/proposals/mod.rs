@@ -44,7 +44,7 @@ pub use label_advice::advice::label_advice;
 pub use pictures::batches::FrameWithFeatures;
 pub use pictures::features::{FrameFeatures, FramePictures, Resolution};
 pub use pictures::picture::PictureError;
-pub use pictures::store::{FeatureStore, WorkFolder};
+pub use pictures::store::{FeatureStore, WORK_FOLDER, WorkFolder};
 pub use training::burnt_in::FoundMask;
 pub use training::learning::{
     LearnError, LearnOptions, ReferenceSamples, TrainingSampleError, learn, study,

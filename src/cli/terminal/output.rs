@@ -5,6 +5,7 @@ use anyhow::{Context as _, anyhow, bail, ensure};
 use image::{DynamicImage, ImageFormat};
 use std::io::{Cursor, Write as _};
 use std::path::Path;
+use touchline_calibration::proposals::WORK_FOLDER;
 use touchline_core::files::{
     refuse_part_of_project, remove_stray_files, temporary_file_in, way_out,
 };
@@ -111,9 +112,12 @@ pub fn is_pipe_or_device(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
-/// Whether a folder exists and is empty; it counts as absent.
+/// Whether a folder exists and is empty, or has nothing but work that can be done again, as a run
+/// that was stopped early leaves it; it counts as absent.
 fn is_empty_folder(path: &Path) -> bool {
-    std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
+    std::fs::read_dir(path).is_ok_and(|mut entries| {
+        entries.all(|entry| entry.is_ok_and(|entry| entry.file_name() == WORK_FOLDER))
+    })
 }
 
 /// Writes a result to standard output. A reader that closes the pipe early is no error.

@@ -120,6 +120,17 @@ impl BaseCorrelation {
             .collect()
     }
 
+    /// The correlations below the diagonal, row by row.
+    pub const fn below_diagonal(&self) -> &[f64] {
+        &self.below_diagonal
+    }
+
+    /// From what [`below_diagonal`](Self::below_diagonal) gives; none of another length.
+    pub fn from_below_diagonal(values: &[f64]) -> Option<Self> {
+        let below_diagonal = values.try_into().ok()?;
+        Some(Self { below_diagonal })
+    }
+
     /// The whole matrix.
     pub fn matrix(&self) -> SharedCovariance {
         SharedCovariance::from_fn(|row, column| {

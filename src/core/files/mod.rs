@@ -5,11 +5,13 @@
 //! |---|---|
 //! | [`read_named`], [`open_named`] | files that a person names; links are followed |
 //! | [`read_regular`], [`open_regular`] | the program's own files in a folder that is not trusted; links are refused |
+//! | [`FileCache`] | files that can be made again, of limited size |
 //! | [`replace_folder`], [`refuse_other_files`], [`refuse_part_of_project`] | results: what `--force` may replace |
 //!
 //! Temporary files are created here too, so that all have the same kind of name and stray ones can
 //! be removed.
 
+mod file_cache;
 mod regular_file;
 mod replace;
 mod temporary;
@@ -19,6 +21,7 @@ pub use replace::NotReplaced;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
+    file_cache::{FileCache, state_of_program},
     regular_file::{
         NotReadable, open_named, open_regular, read_named, read_named_text, read_regular,
         read_regular_within, refuse_linked_folder,

@@ -48,6 +48,7 @@ impl Work<'_> {
             label_the_rest: false,
             // Each label shard sees a window of frames only; this one reads few frames of a match.
             find_shots: false,
+            work: None,
         };
         let mut reader = FrameReader::new();
         let progress = self.progress.part(ShardEvent::Frames);

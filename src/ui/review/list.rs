@@ -370,7 +370,7 @@ fn confidence_bar(painter: &Painter, track: Rect, confidence: Option<f64>) {
 }
 
 /// Writes one line of text; it ends in an ellipsis if it is longer than `width` points.
-fn text_within(
+pub fn text_within(
     painter: &Painter,
     left_centre: egui::Pos2,
     width: f32,

@@ -1,7 +1,8 @@
-//! The review panel: the list of suggestions, accepting many of them together, and where a label
-//! would help most.
+//! The review panel: the list of suggestions or of shots, accepting many of them together, and
+//! where a label would help most.
 
 mod list;
+mod shots;
 
 use super::{Panel, inspector};
 use crate::ui::controls::show_button;
@@ -20,6 +21,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .resizable(false)
         .frame(Frame::new().inner_margin(Margin::same(8)))
         .show(ui, |ui| footer(panel, ui));
+    choose_list(panel, ui);
+    if panel.app.session.review.shots.is_shown {
+        return shots::show(panel, ui);
+    }
     if panel.app.review().rows.is_empty() {
         Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
             let none = if panel.app.session.trainer.status.forest.is_some() {
@@ -33,6 +38,29 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     orders(panel, ui);
     list::show(panel, ui);
+}
+
+/// Shows the choice between suggestions and shots, where the document has shots.
+fn choose_list(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let has_shots = panel
+        .app
+        .open()
+        .is_some_and(|open| !open.document.shots.is_empty());
+    let shown = panel.app.session.review.shots.is_shown;
+    if !has_shots && !shown {
+        return;
+    }
+    Frame::new()
+        .inner_margin(Margin::symmetric(8, 2))
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                for (shots, name) in [(false, "Suggestions"), (true, "Shots")] {
+                    if ui.add(Button::selectable(shots == shown, name)).clicked() {
+                        panel.view(ViewAction::ListShots(shots));
+                    }
+                }
+            });
+        });
 }
 
 /// Shows the title, the number of suggestions, and the close button.

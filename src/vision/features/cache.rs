@@ -7,11 +7,9 @@
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
 use sha2::{Digest, Sha256};
-use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::SystemTime;
-use touchline_core::files::{read_regular, remove_stray_files, temporary_file_in};
+use std::io;
+use std::path::Path;
+use touchline_core::files::FileCache;
 use touchline_core::geometry::{ImagePoint, ImageSize, PixelBox, hex};
 
 /// Changes whenever the same picture and settings would give other features, or the file format
@@ -24,13 +22,7 @@ const FEATURE_BYTES: usize = 24 + DESCRIPTOR_BYTES;
 
 /// A folder of features.
 #[derive(Clone, Debug)]
-pub struct FeatureCache {
-    folder: PathBuf,
-    max_bytes: u64,
-    /// Size of the folder when it was last measured, plus what was added since. None before the
-    /// first measurement. Clones of the cache share it.
-    stored_bytes: Arc<Mutex<Option<u64>>>,
-}
+pub struct FeatureCache(FileCache);
 
 /// A hash of everything that determines the features of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,16 +53,12 @@ impl FeatureCache {
     /// A cache of at most `max_bytes` in a folder, which is created when the first features are
     /// stored.
     pub fn new(folder: &Path, max_bytes: u64) -> Self {
-        Self {
-            folder: folder.to_path_buf(),
-            max_bytes,
-            stored_bytes: Arc::default(),
-        }
+        Self(FileCache::new(folder, EXTENSION, max_bytes))
     }
 
     /// The stored features of a picture, if there are any and the file is intact.
     pub fn get(&self, key: &FeatureKey) -> Option<Features> {
-        decode(&read_regular(&self.file(key)).ok()?)
+        decode(&self.0.get(&key.0)?)
     }
 
     /// Stores features and deletes the oldest files if there is not enough room.
@@ -80,76 +68,7 @@ impl FeatureCache {
     /// The folder cannot be created or written to. The caller may ignore this: the features can be
     /// computed again.
     pub fn put(&self, key: &FeatureKey, features: &Features) -> io::Result<()> {
-        let bytes = encode(features);
-        std::fs::create_dir_all(&self.folder)?;
-        self.make_room_if_needed(bytes.len() as u64)?;
-        // Written under a temporary name and renamed, so that readers never see half a file.
-        let mut file = temporary_file_in(&self.folder)?;
-        file.as_file_mut().write_all(&bytes)?;
-        file.persist(self.file(key)).map_err(|error| error.error)?;
-        Ok(())
-    }
-
-    fn file(&self, key: &FeatureKey) -> PathBuf {
-        self.folder.join(&key.0).with_extension(EXTENSION)
-    }
-
-    /// Makes room for `more` bytes. The folder is measured the first time and when it seems full,
-    /// not for every file.
-    fn make_room_if_needed(&self, more: u64) -> io::Result<()> {
-        // The lock is taken while the folder is measured, so that two threads do not both delete.
-        // It guards a plain number, which a panic elsewhere cannot leave half changed.
-        let mut stored = self
-            .stored_bytes
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        // The count may be wrong if other programs use the folder, a file replaces one, or writing
-        // fails afterwards; measuring again corrects it.
-        let total = match *stored {
-            Some(bytes) if bytes + more <= self.max_bytes => bytes,
-            _ => self.make_room(more)?,
-        };
-        *stored = Some(total + more);
-        Ok(())
-    }
-
-    /// Deletes the oldest files until `more` bytes fit. Returns the size of what is left.
-    fn make_room(&self, more: u64) -> io::Result<u64> {
-        remove_stray_files(&self.folder);
-        let mut files: Vec<(SystemTime, PathBuf, u64)> = Vec::new();
-        for entry in std::fs::read_dir(&self.folder)? {
-            let path = entry?.path();
-            // Another program may have deleted it meanwhile. The metadata of a link are its own, so
-            // that nothing outside the folder is counted or deleted.
-            let Ok(metadata) = std::fs::symlink_metadata(&path) else {
-                continue;
-            };
-            // Files of other names are not the cache's to delete.
-            if path
-                .extension()
-                .is_some_and(|extension| extension == EXTENSION)
-            {
-                files.push((
-                    metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH),
-                    path,
-                    metadata.len(),
-                ));
-            }
-        }
-        let mut total: u64 = files.iter().map(|(.., bytes)| bytes).sum();
-        // By time, then by path. A file without a known time counts as the oldest.
-        files.sort();
-        for (_, path, bytes) in files {
-            if total + more <= self.max_bytes {
-                break;
-            }
-            // A file that another program has just deleted makes room, too.
-            match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-                _ => total -= bytes,
-            }
-        }
-        Ok(total)
+        self.0.put(&key.0, &encode(features))
     }
 }
 
@@ -279,25 +198,5 @@ mod tests {
             altered[at] ^= 4;
             assert_eq!(decode(&altered), None, "byte {at}");
         }
-    }
-
-    #[test]
-    fn the_oldest_make_room() {
-        let folder = tempfile::tempdir().unwrap();
-        let cache = FeatureCache::new(folder.path(), 3 * encode(&features(10)).len() as u64);
-        std::fs::write(folder.path().join("notes.txt"), "not ours").unwrap();
-        let key = |i: u64| FeatureKey::new(&i.to_string(), &FeatureOptions::default(), &[]);
-        for i in 0..5u64 {
-            cache.put(&key(i), &features(10)).unwrap();
-            let written = SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(1000 + i);
-            let file = std::fs::File::options()
-                .write(true)
-                .open(cache.file(&key(i)))
-                .unwrap();
-            file.set_modified(written).unwrap();
-        }
-        let kept: Vec<bool> = (0..5).map(|i| cache.get(&key(i)).is_some()).collect();
-        assert_eq!(kept, [false, false, true, true, true]);
-        assert!(folder.path().join("notes.txt").exists());
     }
 }

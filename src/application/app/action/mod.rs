@@ -20,6 +20,7 @@ use super::window_state::video::PlaySpeed;
 use super::{Chord, Command};
 use crate::app::project::opened::{Opened, OutsideChoice};
 use crate::app::window_state::session::Question;
+use crate::scene::shot_list::ShotOrder;
 use crate::scene::{OverlayStyle, PictureLook, Sport};
 use std::path::PathBuf;
 use touchline_core::field::{FieldError, Template};
@@ -288,6 +289,12 @@ pub enum ViewAction {
     },
     /// Set whether the list in the review panel shows one suggestion per shot.
     SetOnePerShot(bool),
+    /// Set whether the review panel lists shots instead of suggestions.
+    ListShots(bool),
+    /// Set the order of the list of shots.
+    SetShotOrder(ShotOrder),
+    /// Set whether the list of shots has those of fields alone.
+    ListFieldsOnly(bool),
     /// Select the camera of the quality page.
     SetQualityCamera(CameraId),
     /// Select the unit of time on the quality page.

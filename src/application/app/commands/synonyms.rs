@@ -51,6 +51,8 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::NextNeedsMe | C::PreviousNeedsMe => "needs me todo unfinished",
         C::NextUnanswered => "unanswered no answer",
         C::FindShots | C::AddCut | C::MoveCutHere | C::RemoveCut => "scene split shot boundary",
+        C::ShotContent => "close-up crowd replay kind",
+        C::AcceptShot => "bulk approve scene",
         C::GoToPlace => "jump seek time frame number",
         C::AssignToCamera | C::NewCameraFromChange => "second camera",
         C::Undo => "back revert",

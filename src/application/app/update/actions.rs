@@ -44,6 +44,9 @@ impl App {
             }
             ViewAction::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
             ViewAction::SetOnePerShot(one) => self.session.review.one_per_shot = one,
+            ViewAction::ListShots(shots) => self.session.review.shots.is_shown = shots,
+            ViewAction::SetShotOrder(order) => self.session.review.shots.order = order,
+            ViewAction::ListFieldsOnly(only) => self.session.review.shots.fields_only = only,
             ViewAction::TickSuggestion { frame, ticked } => self.tick_suggestion(frame, ticked),
             ViewAction::SetQualityCamera(camera) => self.set_quality_camera(camera),
             ViewAction::SetTimeAxis(axis) => self.set_time_axis(axis),

@@ -98,7 +98,7 @@ impl App {
             C::AcceptStretch if self.stretch_size().is_none() => {
                 Some("No frames are selected: click with Shift on the filmstrip or the timeline.")
             }
-            C::Accept | C::AcceptAndStay | C::AcceptStretch
+            C::Accept | C::AcceptAndStay | C::AcceptStretch | C::AcceptShot
                 if self.session.picture.tool == Tool::Mask =>
             {
                 Some("Masks are being drawn: Esc ends that first.")
@@ -116,6 +116,7 @@ impl App {
             | C::AddCut
             | C::MoveCutHere
             | C::RemoveCut
+            | C::ShotContent
                 if self.is_read_only() =>
             {
                 Some("The document is read-only.")
@@ -125,6 +126,7 @@ impl App {
             {
                 Some("This frame does not come from a video.")
             }
+            C::ShotContent if self.shown_shot().is_none() => Some("No shots are marked."),
             C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot if self.current.other_root().is_none() => {
                 Some("Only one focal length fits these points.")
@@ -245,12 +247,14 @@ impl App {
             C::AddCut => self.add_cut(),
             C::MoveCutHere => self.move_cut_here(),
             C::RemoveCut => self.remove_cut(),
+            C::ShotContent => self.change_shot_content(),
             C::NextReference | C::PreviousReference => self.go_to_next(
                 command == C::NextReference,
                 |frame| frame.status == FrameStatus::Reference,
                 "There is no other reference yet.",
             ),
             C::AcceptStretch => self.ask_accept_stretch(),
+            C::AcceptShot => self.ask_accept_shot(),
             C::Accept if self.stretch_size().is_some() => self.ask_accept_stretch(),
             C::Accept => self.accept(false),
             C::AcceptAndStay => self.accept(true),

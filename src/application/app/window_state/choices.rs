@@ -1,5 +1,6 @@
 //! The user's choices in panels and on the filmstrip, as plain values.
 
+use crate::scene::shot_list::ShotOrder;
 use touchline_documents::document::{CameraId, Frame, FrameStatus};
 
 /// How a click on the filmstrip changes the selection.
@@ -261,6 +262,19 @@ pub struct ReviewChoice {
     pub one_per_shot: bool,
     /// Whether the pointer is over the list; then its rows do not move.
     pub held: bool,
+    /// The list of shots.
+    pub shots: ShotChoice,
+}
+
+/// The user's choices for the list of shots in the review panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShotChoice {
+    /// Whether it is shown instead of the suggestions.
+    pub is_shown: bool,
+    /// Its order.
+    pub order: ShotOrder,
+    /// Whether shots without a field, and transitions, are left out of it.
+    pub fields_only: bool,
 }
 
 impl Default for ReviewChoice {
@@ -271,6 +285,7 @@ impl Default for ReviewChoice {
             with_disagreeing: false,
             one_per_shot: false,
             held: false,
+            shots: ShotChoice::default(),
         }
     }
 }

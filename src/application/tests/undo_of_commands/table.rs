@@ -271,6 +271,19 @@ pub fn plan(command: Command) -> Plan {
                 scene.edit(EditAction::AcceptAll);
             },
         ),
+        C::AcceptShot => works(
+            in_one_shot,
+            |scene| {
+                let frames = 0..scene.frames();
+                scene.wait_until("the line checks", |app| {
+                    frames.clone().all(|frame| app.paint_says(frame).is_some())
+                });
+            },
+            |scene| {
+                scene.command(C::AcceptShot);
+                scene.edit(EditAction::AcceptAll);
+            },
+        ),
         C::Reject => change(suggested, nothing, |scene| {
             scene.command(C::Reject);
             scene.edit(EditAction::RejectAs(RejectReason::Blur));
@@ -368,6 +381,7 @@ pub fn plan(command: Command) -> Plan {
             let cuts = vec![(5, ShotKind::Cut), (15, ShotKind::Cut)];
             scene.report::<ShotSearch>(FoundShots { last: 29, cuts });
         }),
+        C::ShotContent => change(video, nothing, |scene| scene.command(C::ShotContent)),
         C::AddCut => change(video, |scene| go_to(scene, 15), |scene| scene.command(C::AddCut)),
         C::MoveCutHere => change(video, |scene| go_to(scene, 12), |scene| scene.command(C::MoveCutHere)),
         C::RemoveCut => change(video, |scene| go_to(scene, 12), |scene| scene.command(C::RemoveCut)),

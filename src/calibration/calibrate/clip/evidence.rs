@@ -2,6 +2,7 @@
 
 use super::frames::ClipFrames;
 use super::paint::PaintAlignmentOutcome;
+use crate::calibrate::kept::{Kept, from_bytes, kept, to_bytes};
 use std::collections::BTreeMap;
 use touchline_core::camera::{AngularDistance, Ptz};
 use touchline_core::field::FieldModel;
@@ -43,6 +44,26 @@ struct CameraPaintVerdict {
     says: PaintAlignmentOutcome,
 }
 
+/// The evidence of a clip as bytes, to be kept on disk: the points, which stay the same, apart from
+/// the paint, which each adjustment adds to.
+pub(crate) struct EvidenceBytes {
+    pub points: Vec<u8>,
+    pub paint: Vec<u8>,
+}
+
+/// The points, without the pictures, which are those of the clip.
+type KeptPoints = (FollowOptions, (Vec<Vec<PixelBox>>, PointTracks));
+
+/// With what the paint was found, and its verdicts.
+type KeptPaint = (
+    Option<(ClipCamera, FieldModel)>,
+    BTreeMap<usize, CameraPaintVerdict>,
+);
+
+kept! {
+    CameraPaintVerdict { camera, says }
+}
+
 /// A camera that begins within this distance of where another was aligned is aligned to the same
 /// place, px at 1920 px width.
 const PULLED_ALIKE_PX: f64 = 8.0;
@@ -57,6 +78,39 @@ impl ClipEvidence {
         self.followed
             .as_ref()
             .is_some_and(|followed| followed.pictures.sources.contains(picture))
+    }
+
+    /// The evidence as bytes; none if there is none, or if not all pictures could be read.
+    pub(crate) fn to_bytes(&self) -> Option<EvidenceBytes> {
+        let Followed {
+            pictures,
+            masks,
+            tracks,
+        } = self.followed.as_ref()?;
+        let points: KeptPoints = (pictures.options, (masks.clone(), tracks.clone()));
+        let paint: KeptPaint = (self.seen_with.clone(), self.paint.clone());
+        self.unreadable.is_none().then(|| EvidenceBytes {
+            points: to_bytes(&points),
+            paint: to_bytes(&paint),
+        })
+    }
+
+    /// The evidence of a clip that was kept as bytes; none if they are damaged.
+    pub(crate) fn from_bytes(bytes: &EvidenceBytes, clip: &ClipFrames) -> Option<Self> {
+        let (options, (masks, tracks)): KeptPoints = from_bytes(&bytes.points)?;
+        let (seen_with, paint): KeptPaint = from_bytes(&bytes.paint)?;
+        let sources: Vec<FrameRef> = clip.frames.iter().map(|it| it.source.clone()).collect();
+        let is_of_clip = sources.len() == tracks.frames && sources.len() == masks.len();
+        is_of_clip.then_some(Self {
+            followed: Some(Followed {
+                pictures: FollowedPictures { sources, options },
+                masks,
+                tracks,
+            }),
+            unreadable: None,
+            seen_with,
+            paint,
+        })
     }
 
     /// The points, if they were tracked through the same pictures with the same options. Points
@@ -167,6 +221,28 @@ impl ClipEvidence {
 /// the middle and that by zoom at the left and right border.
 pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
     AngularDistance::between(&one, &other).in_image_px(one.focal_px, size)
+}
+
+impl Kept for PaintAlignmentOutcome {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        match self {
+            Self::Snapped(prior) => {
+                0_u8.write(bytes);
+                prior.write(bytes);
+            }
+            Self::Contradicts => 1_u8.write(bytes),
+            Self::Open => 2_u8.write(bytes),
+        }
+    }
+
+    fn read(bytes: &mut &[u8]) -> Option<Self> {
+        match u8::read(bytes)? {
+            0 => Kept::read(bytes).map(Self::Snapped),
+            1 => Some(Self::Contradicts),
+            2 => Some(Self::Open),
+            _ => None,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use touchline_core::files::refuse_linked_folder;
 use touchline_vision::features::{FeatureCache, FeatureKey, Features};
 
 /// Name of the hidden folder beside a document, for files that can be recomputed.
-const WORK_FOLDER: &str = ".touchline";
+pub const WORK_FOLDER: &str = ".touchline";
 
 /// Maximum size of the features on disk, bytes: about 13,000 pictures of 1000 features.
 const DISK_BYTES: u64 = 2 << 30;
@@ -55,6 +55,17 @@ impl WorkFolder {
     pub fn features(&self) -> io::Result<FeatureCache> {
         self.refuse_links()?;
         Ok(FeatureCache::new(&self.features_folder(), DISK_BYTES))
+    }
+
+    /// The folder of the finished parts of long work, which may not exist yet.
+    ///
+    /// # Errors
+    /// The hidden folder, or this one in it, is a link or no folder.
+    pub fn finished_work(&self) -> io::Result<PathBuf> {
+        let folder = self.folder.join("work");
+        refuse_linked_folder(&self.folder)?;
+        refuse_linked_folder(&folder)?;
+        Ok(folder)
     }
 
     /// Refuses a hidden folder that is a link: in a project from someone else it may lead anywhere.

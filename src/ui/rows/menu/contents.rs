@@ -86,6 +86,7 @@ const SUBMENUS: [(&str, &[Command]); 14] = [
             Command::AddCut,
             Command::MoveCutHere,
             Command::RemoveCut,
+            Command::ShotContent,
         ],
     ),
     (
@@ -95,6 +96,7 @@ const SUBMENUS: [(&str, &[Command]); 14] = [
             Command::AcceptAndStay,
             Command::AcceptAnyway,
             Command::AcceptStretch,
+            Command::AcceptShot,
             Command::AcceptAllAbove,
             Command::AcceptPlayed,
             Command::StopAtWrong,

@@ -99,6 +99,16 @@ impl ClipCamera {
         Self { base, lenses }
     }
 
+    /// The base.
+    pub const fn base(&self) -> &CameraBase {
+        &self.base
+    }
+
+    /// The lenses of its frames; frames beyond the list have that of the base.
+    pub fn lenses(&self) -> &[Option<ClipLens>] {
+        &self.lenses
+    }
+
     fn lens_at(&self, frame: usize) -> Option<&ClipLens> {
         self.lenses.get(frame)?.as_ref()
     }

@@ -39,8 +39,16 @@ const MOST_OFF_EITHER: f32 = 0.2;
 const MOST_INCOHERENT: f32 = 0.55;
 /// Maximum share of the change that one frame may bring; a hard cut brings all of it.
 const MOST_OF_CHANGE: f32 = 0.5;
+/// Maximum doubt of a transition beside which a camera may turn or zoom fast.
+const EXACT: f32 = 0.35;
 /// Distance of the pictures to which the second ramp is fitted from the first ramp, frames.
 const ASIDE: usize = 4;
+/// Maximum share of the cells in which a frame beside a wipe shows the other picture, by chance.
+const WIPED: f32 = 0.04;
+/// Maximum number of frames by which a wipe is longer than a ramp at each end.
+const MOST_UNEVEN: usize = 2;
+/// Maximum number of times that the ramp is fitted to nearer pictures.
+const MOST_FITS: usize = 4;
 /// Minimum length of a ramp, frames; a shorter one is a hard cut.
 const LEAST_RAMP: usize = 3;
 
@@ -76,12 +84,22 @@ pub fn find_gradual(frames: &impl Frames, middle: usize) -> Option<Gradual> {
         (off <= 1.0).then_some((off / ends.change.sqrt(), ends))
     });
     let (_, ends) = windows.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    // Once more with the pictures next to the ramp, in which less has moved.
-    let (ramp, _) = ends.fit_ramp()?;
-    let nearer = ramp.start.saturating_sub(ASIDE)..ramp.end + ASIDE - 1;
-    let ends = Ends::new(frames, nearer)?;
-    let (ramp, misfit) = ends.fit_ramp()?;
-    check(frames, ramp, misfit)
+    // Again with the pictures next to the ramp, in which less has moved, until it stays.
+    let (mut ramp, _) = ends.fit_ramp()?;
+    let mut found = None;
+    for _ in 0..MOST_FITS {
+        let nearer = ramp.start.saturating_sub(ASIDE)..ramp.end + ASIDE - 1;
+        let Some((next, of_next)) = Ends::new(frames, nearer).and_then(|ends| ends.fit_ramp())
+        else {
+            break;
+        };
+        found = check(frames, next.clone(), of_next).or(found);
+        if next == ramp {
+            break;
+        }
+        ramp = next;
+    }
+    found
 }
 
 /// The two pictures of a transition.
@@ -167,6 +185,19 @@ impl<'a, F: Frames> Ends<'a, F> {
             .map(|ramp| (misfit(&ramp), ramp))
             .min_by(|(a, _), (b, _)| a.total_cmp(b))?;
         let misfit = (misfit / shares.len() as f32).sqrt();
+        // A wipe is not as even as a ramp where its edge is slanted or curved.
+        let (begin, end) = if is_wipe {
+            let before = shares[..=begin].iter().rev().take(MOST_UNEVEN);
+            let earlier = before.take_while(|share| **share > WIPED).count();
+            let after = shares[end..].iter().take(MOST_UNEVEN);
+            let later = after.take_while(|share| **share < 1.0 - WIPED).count();
+            (
+                begin.saturating_sub(earlier),
+                (end + later).min(shares.len() - 1),
+            )
+        } else {
+            (begin, end)
+        };
         Some((first + begin + 1..first + end, misfit))
     }
 }
@@ -223,8 +254,10 @@ fn check(frames: &impl Frames, ramp: Range<usize>, misfit: f32) -> Option<Gradua
         .last();
     let is_coherent = is_steady(earlier.and_then(|at| frames.frame(at)), before)
         && is_steady(later.and_then(|at| frames.frame(at)), after);
-    (moved >= LEAST_CHANGE && is_coherent).then_some(Gradual {
+    let doubt = off + 4.0 * misfit;
+    // A mixture this exact is none of a camera's motion, whatever moves beside it.
+    (moved >= LEAST_CHANGE && (is_coherent || doubt <= EXACT)).then_some(Gradual {
         frames: ramp,
-        doubt: off + 4.0 * misfit,
+        doubt,
     })
 }

@@ -2,7 +2,9 @@
 
 use crate::app::App;
 use crate::app::window_state::session::Level;
-use touchline_documents::document::{Document, ShotsError, VideoShots};
+use touchline_documents::document::{
+    Document, ShotContent, ShotKind, ShotsError, VideoShots, shots_of_frames,
+};
 
 impl App {
     /// Moves a cut of the shown frame's video. `cut` and `to` are frame numbers of the video.
@@ -21,6 +23,37 @@ impl App {
             let start = shots.start_of(here);
             shots.remove(start)
         });
+    }
+
+    /// The shown frame's shot, by its place in the document's list; none where no shots are marked,
+    /// and for a transition.
+    pub(in crate::app::update) fn shown_shot(&self) -> Option<usize> {
+        let document = &self.open.as_ref()?.document;
+        let shot = *shots_of_frames(document).get(self.session.frame)?;
+        shot.filter(|shot| document.shots[*shot].kind != ShotKind::Transition)
+    }
+
+    /// Corrects whether the shown frame's shot shows a field.
+    pub(in crate::app::update) fn change_shot_content(&mut self) {
+        let (Some(shot), Some(open)) = (self.shown_shot(), &self.open) else {
+            return;
+        };
+        let shows = match open.document.shots[shot].content {
+            Some(ShotContent::NoField) => ShotContent::Field,
+            Some(ShotContent::Field) | None => ShotContent::NoField,
+        };
+        let step = match shows {
+            ShotContent::Field => "Shot shows a field",
+            ShotContent::NoField => "Shot shows no field",
+        };
+        if !self.begin(step) {
+            return;
+        }
+        if let Some(open) = &mut self.open {
+            open.document.shots[shot].content = Some(shows);
+        }
+        self.commit();
+        self.session.notify(Level::Info, format!("{step}."));
     }
 
     /// The shots of the shown frame's video. None for a still image, or a video without shots.

@@ -3,6 +3,7 @@
 
 use crate::app::panel_values::progress::ALL_DONE;
 use crate::app::review::{AcceptQuestion, AcceptSheet, BulkAccept, LeftReason, Stretch};
+use crate::app::window_state::choices::Scope;
 use crate::app::window_state::session::{Dialog, Level, SidePanel, is_to_do};
 use crate::app::{App, Command};
 use std::sync::Arc;
@@ -262,6 +263,14 @@ impl App {
         self.session.unticked.clear();
         self.accept_question = Some(AcceptQuestion::Stretch(stretch));
         self.session.dialog = Some(Dialog::AcceptAll);
+    }
+
+    /// Selects the frames of the shown frame's shot and asks for their common acceptance.
+    pub(in crate::app::update) fn ask_accept_shot(&mut self) {
+        let Some(open) = &self.open else { return };
+        let frames = Scope::Shot.frames(open, &self.session);
+        self.session.frames_selected = frames.into_iter().collect();
+        self.ask_accept_stretch();
     }
 
     /// The selected frames as they are now: those on the paint, and the others by their reasons.

@@ -1,0 +1,85 @@
+//! The answer of a search for a camera, as it is kept.
+
+use super::no_camera::NoCamera;
+use crate::calibrate::AutocalibratedCamera;
+use crate::calibrate::kept::Kept;
+use std::sync::Arc;
+use touchline_documents::document::Document;
+
+/// The number of steps of a search, and its answer.
+pub(super) type KeptSearch = (usize, KeptAnswer);
+
+/// What is kept of an answer: the camera, or what is said where there is none.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum KeptAnswer {
+    Found(Arc<AutocalibratedCamera>),
+    Expensive,
+    NoCamera {
+        message: String,
+        asks_for_clicks: bool,
+    },
+}
+
+impl KeptAnswer {
+    /// What is kept of an answer to a search in the frames of a document.
+    pub fn from_answer(
+        answer: &Result<Arc<AutocalibratedCamera>, NoCamera>,
+        document: &Document,
+    ) -> Self {
+        match answer {
+            Ok(found) => Self::Found(Arc::clone(found)),
+            Err(NoCamera::Expensive) => Self::Expensive,
+            Err(why) => Self::NoCamera {
+                message: why.describe(document),
+                asks_for_clicks: why.asks_for_clicks(),
+            },
+        }
+    }
+
+    /// The answer.
+    pub fn into_answer(self) -> Result<Arc<AutocalibratedCamera>, NoCamera> {
+        match self {
+            Self::Found(found) => Ok(found),
+            Self::Expensive => Err(NoCamera::Expensive),
+            Self::NoCamera {
+                message,
+                asks_for_clicks,
+            } => Err(NoCamera::Before {
+                message,
+                asks_for_clicks,
+            }),
+        }
+    }
+}
+
+impl Kept for KeptAnswer {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        match self {
+            Self::Found(found) => {
+                0_u8.write(bytes);
+                found.write(bytes);
+            }
+            Self::Expensive => 1_u8.write(bytes),
+            Self::NoCamera {
+                message,
+                asks_for_clicks,
+            } => {
+                2_u8.write(bytes);
+                message.write(bytes);
+                asks_for_clicks.write(bytes);
+            }
+        }
+    }
+
+    fn read(bytes: &mut &[u8]) -> Option<Self> {
+        match u8::read(bytes)? {
+            0 => Some(Self::Found(Arc::new(Kept::read(bytes)?))),
+            1 => Some(Self::Expensive),
+            2 => Some(Self::NoCamera {
+                message: Kept::read(bytes)?,
+                asks_for_clicks: Kept::read(bytes)?,
+            }),
+            _ => None,
+        }
+    }
+}
