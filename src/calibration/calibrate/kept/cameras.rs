@@ -2,7 +2,9 @@
 
 use super::{Kept, kept};
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
-use touchline_core::camera::{BaseCorrelation, BaseSigma, CameraBase, FocalCurve, PanTilt, Ptz};
+use touchline_core::camera::{
+    BaseCorrelation, BaseSigma, CameraBase, FocalCurve, PanTilt, Ptz, SizeError,
+};
 use touchline_core::field::{
     Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge,
 };
@@ -21,11 +23,12 @@ kept! {
     FocalCurve { at_focal_px, value, per_1000_px, k2_per_k1_squared }
     BaseSigma {
         position_m, rotation, k1, k1_per_1000_px, crown_m, crown_width_m, principal_point_px,
-        correlation,
+        correlation, size,
     }
     CameraBase { position_m, base_from_world, principal_point, distortion, sigma }
     Uncertainty { clicks, by_base, base_root }
-    FittedSize { name, assumed_m, value_m, sigma_m, position_sigma_m, is_open }
+    SizeError { sigma_m, still_m, end_m, base_by_m }
+    FittedSize { name, assumed_m, value_m, error, is_open }
     PixelAspect { value, sigma, image_size }
     LineCheck {
         predicted, found, bare, offset_px, bias_px, halves_px, unexplained, emptiest, agreement,

@@ -156,7 +156,7 @@ impl Kept for Range<usize> {
     }
 }
 
-impl<const N: usize> Kept for [f64; N] {
+impl<T: Kept + Copy + Default, const N: usize> Kept for [T; N] {
     fn write(&self, bytes: &mut Vec<u8>) {
         for value in self {
             value.write(bytes);
@@ -164,9 +164,9 @@ impl<const N: usize> Kept for [f64; N] {
     }
 
     fn read(bytes: &mut &[u8]) -> Option<Self> {
-        let mut values = [0.0; N];
+        let mut values = [T::default(); N];
         for value in &mut values {
-            *value = f64::read(bytes)?;
+            *value = T::read(bytes)?;
         }
         Some(values)
     }
