@@ -17,7 +17,7 @@ mod stated_lens;
 
 pub use base::{BaseAngles, CameraBase};
 pub use base_sigma::BaseSigma;
-pub use distortion::{FocalCurve, Radial, UndistortError};
+pub use distortion::{FocalCurve, PIXEL_ASPECTS, Radial, UndistortError};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{ProjectError, PtzCamera};
 pub(crate) use shared_parameters::SHARED_COLUMNS;

@@ -144,7 +144,7 @@ fn most_shared(given: &[GivenCamera], frames: &[usize]) -> Option<SharedPlace> {
 /// A camera that stands at a place, on the place's base; none if it does not fit.
 fn fit(camera: &PtzCamera, place: &SharedPlace, size: ImageSize) -> Option<OnBase> {
     place
-        .contains(camera.base().position_m)
+        .contains(camera)
         .then(|| ptz_on_base(camera, &place.base, size))?
         .filter(|on_base| on_base.moved_px <= FITS_PX)
 }

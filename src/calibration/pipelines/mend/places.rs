@@ -248,8 +248,7 @@ fn mirror_one_back(given: &GivenCamera, places: &[SharedPlace]) -> GivenCamera {
 }
 
 fn stands_at_one_of(places: &[SharedPlace], camera: &PtzCamera) -> bool {
-    let position_m = camera.base().position_m;
-    places.iter().any(|place| place.contains(position_m))
+    places.iter().any(|place| place.contains(camera))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 //! lowest robust cost wins. Wrong names in some frames therefore do not spoil the start.
 
 use super::{BaseError, CameraClicks, FrameClicks};
-use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high, subsample};
 use crate::solve::initial_cameras::plane_pose::pose_from_plane;
 use crate::solve::refine::squared_sigmas;
@@ -42,13 +42,19 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
         image_size,
         principal_point,
         own_cameras,
+        pixel_aspect,
         ..
     } = *clicks;
+    let pinhole = FocalCurve::NONE.with_pixel_aspect(pixel_aspect);
     // Position and x axis (`world`) of each frame's own camera.
     let ground: Vec<Vec<(Vec2, ImagePoint)>> = frames.iter().map(ground_landmarks).collect();
+    let in_square_pixels = |ground: &[(Vec2, ImagePoint)]| -> Vec<(Vec2, ImagePoint)> {
+        let square = |at: ImagePoint| pinhole.square_point(at, principal_point);
+        ground.iter().map(|(on, at)| (*on, square(*at))).collect()
+    };
     let most_landmarks = ground.iter().map(Vec::len).max().unwrap_or(0);
     let by_landmarks = ground.iter().filter_map(|ground| {
-        let pose = pose_from_plane(ground, principal_point).ok()?;
+        let pose = pose_from_plane(&in_square_pixels(ground), principal_point).ok()?;
         Some((pose.position_m, pose.cam_from_world.row(0).transpose()))
     });
     let by_lines = own_cameras.iter().map(|camera| {
@@ -91,9 +97,11 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
     let mut best: Option<(f64, CameraBase)> = None;
     for position_m in positions {
         for rotation in rotations {
-            let base = CameraBase::new(position_m, rotation, principal_point)
-                .in_pan_gauge()
-                .0;
+            let base = CameraBase {
+                distortion: pinhole,
+                ..CameraBase::new(position_m, rotation, principal_point)
+            };
+            let base = base.in_pan_gauge().0;
             let cost: f64 = sample
                 .iter()
                 .map(|frame| frame_cost(&base, frame, image_size))

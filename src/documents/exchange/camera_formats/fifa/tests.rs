@@ -144,7 +144,7 @@ fn lens() -> KnownLens {
     KnownLens {
         focal_px: 3000.0,
         principal_point: ImagePoint::new(960.0, 540.0),
-        radial: Radial { k1: 0.2, k2: 1.5 },
+        radial: Radial { k1: 0.2, k2: 1.5, ..Radial::default() },
     }
 }
 
