@@ -114,8 +114,10 @@ fn transfer(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec
         .principal_point
         .offset_from(estimate.base().principal_point);
     // Homogeneous, without a division by the depth, which may be zero.
-    let offset_px =
-        truth.lens().pixels_from_square(in_cam.xy() * truth.ptz().focal_px) + apart * in_cam.z;
+    let offset_px = truth
+        .lens()
+        .pixels_from_square(in_cam.xy() * truth.ptz().focal_px)
+        + apart * in_cam.z;
     let seen = estimate.lens().square_from_pixels(offset_px) / estimate.ptz().focal_px;
     let direction = estimate.cam_from_world().transpose() * Vec3::new(seen.x, seen.y, in_cam.z);
     let position = estimate.base().position_m;

@@ -211,12 +211,21 @@ fn a_stated_aspect_of_the_pixels_gives_the_true_height_and_a_wrong_one_is_told()
             (found.base.position_m.z - height_m).abs(),
             found.base.sigma.position_m.z,
         );
-        assert!(off_m < 3.0 * sigma_m && sigma_m < 1.0, "{off_m} ± {sigma_m} m");
+        assert!(
+            off_m < 3.0 * sigma_m && sigma_m < 1.0,
+            "{off_m} ± {sigma_m} m"
+        );
         let (found, _) = estimate_of_scaled(12, (1.0, 1.0 / down), &mut rng);
         let aspect = found.pixel_aspect.unwrap();
         assert_eq!(aspect.stated, 1.0 / down);
-        assert!((aspect.value - 1.0).abs() < 3.0 * aspect.sigma, "{aspect:?}");
-        assert!(aspect.to_string().contains("Correct pixel_aspect"), "{aspect}");
+        assert!(
+            (aspect.value - 1.0).abs() < 3.0 * aspect.sigma,
+            "{aspect:?}"
+        );
+        assert!(
+            aspect.to_string().contains("Correct pixel_aspect"),
+            "{aspect}"
+        );
     }
 }
 

@@ -449,16 +449,13 @@ pub enum Problem {
         /// Its distance from a rotation; not finite for a reflection or NaN.
         distance: f64,
     },
-    /// A calibration matrix that no camera of a document has.
+    /// A calibration matrix with a skew, which no camera of a document has.
     #[error(
-        "focal lengths of {} and {} px with a skew of {} px: without it the picture is \
-         {off_px:.2} px off; a ratio of 1:4 to 4:1 and a skew of up to 0.1 px are taken; \
+        "a skew of {} px: without it the picture is {off_px:.2} px off; up to 0.1 px is taken; \
          resample the picture to upright pixels",
-        number_text(focal_px[0]), number_text(focal_px[1]), number_text(*skew_px)
+        number_text(*skew_px)
     )]
-    Calibration {
-        /// fx and fy.
-        focal_px: [f64; 2],
+    Skew {
         /// The skew.
         skew_px: f64,
         /// How far the camera without the skew is off at most, px.

@@ -85,6 +85,13 @@ fn formats_hold_the_aspect_of_the_pixels_or_say_what_it_loses() {
         lost.extend(is_lost.then(|| format.name()));
     }
     assert_eq!(lost, ["broadtrack", "freed-csv", "chan"]);
+    // Written only, or read as a homography: the export compares what it reads back.
+    for format in [Format::Usda, Format::Homography, Format::Wc14] {
+        let options = ExportOptions::default();
+        let exported = export(document.at(Path::new("/")), format, &options).unwrap();
+        let said = exported.loss.map(|loss| loss.to_string()).unwrap_or_default();
+        assert!(!said.contains("not square"), "{format}: {said}");
+    }
 }
 
 #[test]
@@ -98,7 +105,10 @@ fn a_document_states_the_aspect_only_where_the_pixels_are_not_square() {
     let camera = again.ptz_camera(&again.frames[0]).unwrap();
     assert_eq!(camera.lens().pixel_aspect, 1.25);
     for wrong in ["0", "-1", "5", "1e400", "\"1\"", "null"] {
-        let text = stated.replace("\"pixel_aspect\": 1.25", &format!("\"pixel_aspect\": {wrong}"));
+        let text = stated.replace(
+            "\"pixel_aspect\": 1.25",
+            &format!("\"pixel_aspect\": {wrong}"),
+        );
         assert!(document_from_bytes(text.as_bytes()).is_err(), "{wrong}");
     }
 }

@@ -78,7 +78,10 @@ impl fmt::Display for PixelAspect {
         if self.stated != 1.0 {
             return write!(
                 f,
-                "clicks and paint fit pixels that are {:.2} ± {:.2} times as wide as high, where pixel_aspect {} is stated for the camera: the camera's height and all heights would be wrong by the ratio, and are stated as uncertain. Correct pixel_aspect, or check the field's size",
+                "clicks and paint fit pixels that are {:.2} ± {:.2} times as wide as high, where \
+                 pixel_aspect {} is stated for the camera: the camera's height and all heights \
+                 would be wrong by the ratio, and are stated as uncertain. Correct pixel_aspect, \
+                 or check the field's size",
                 self.value, self.sigma, self.stated
             );
         }

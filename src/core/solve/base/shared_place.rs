@@ -150,8 +150,11 @@ fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Op
             middle[axis] = middle_m;
             scatter_m[axis] = sigma_m.clamp(SCATTER_M[0], SCATTER_M[1]);
         }
-        let along = |index: &usize| off_along_view(&cameras[*index], middle).0;
-        let (_, sigma_m) = middle_and_sigma(&mut of_place.iter().map(along).collect::<Vec<_>>())?;
+        let mut along: Vec<f64> = of_place
+            .iter()
+            .map(|index| off_along_view(&cameras[*index], middle).0)
+            .collect();
+        let (_, sigma_m) = middle_and_sigma(&mut along)?;
         along_view_m = sigma_m.clamp(SCATTER_M[0], SCATTER_M[1]);
         if of_place == members {
             break;
@@ -191,10 +194,13 @@ fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Op
 /// Whether a camera stands within the scatter about the middle of a place: as it is, or once what it
 /// is off along its own view, within the scatter along views, is taken out.
 fn is_within(camera: &PtzCamera, middle: Vec3, (sigma_m, along_view_m): (Vec3, f64)) -> bool {
-    let is_near = |off_m: Vec3| off_m.component_div(&sigma_m).amax() <= MEMBER_SIGMAS;
     let (along_m, rest_m) = off_along_view(camera, middle);
-    is_near(camera.base().position_m - middle)
-        || (along_m.abs() <= MEMBER_SIGMAS * along_view_m && is_near(rest_m))
+    let fits_along = along_m.abs() <= MEMBER_SIGMAS * along_view_m;
+    is_near(camera.base().position_m - middle, sigma_m) || (fits_along && is_near(rest_m, sigma_m))
+}
+
+fn is_near(off_m: Vec3, sigma_m: Vec3) -> bool {
+    off_m.component_div(&sigma_m).amax() <= MEMBER_SIGMAS
 }
 
 /// How far a camera stands from a place along its view, m, and what is left beside that.

@@ -47,14 +47,13 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
     } = *clicks;
     let pinhole = FocalCurve::NONE.with_pixel_aspect(pixel_aspect);
     // Position and x axis (`world`) of each frame's own camera.
-    let ground: Vec<Vec<(Vec2, ImagePoint)>> = frames.iter().map(ground_landmarks).collect();
-    let in_square_pixels = |ground: &[(Vec2, ImagePoint)]| -> Vec<(Vec2, ImagePoint)> {
-        let square = |at: ImagePoint| pinhole.square_point(at, principal_point);
-        ground.iter().map(|(on, at)| (*on, square(*at))).collect()
-    };
+    let ground: Vec<Vec<(Vec2, ImagePoint)>> = frames
+        .iter()
+        .map(|frame| ground_landmarks(frame, &pinhole, principal_point))
+        .collect();
     let most_landmarks = ground.iter().map(Vec::len).max().unwrap_or(0);
     let by_landmarks = ground.iter().filter_map(|ground| {
-        let pose = pose_from_plane(&in_square_pixels(ground), principal_point).ok()?;
+        let pose = pose_from_plane(ground, principal_point).ok()?;
         Some((pose.position_m, pose.cam_from_world.row(0).transpose()))
     });
     let by_lines = own_cameras.iter().map(|camera| {
@@ -154,8 +153,13 @@ fn frame_cost(base: &CameraBase, frame: &FrameClicks, image_size: ImageSize) -> 
         .sum()
 }
 
-/// The ground landmarks of a frame: x and y in `world`, m, and the pixel.
-fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
+/// The ground landmarks of a frame: x and y in `world`, m, and the pixel where it would be if the
+/// pixels behind the lens were square.
+fn ground_landmarks(
+    frame: &FrameClicks,
+    lens: &FocalCurve,
+    principal_point: ImagePoint,
+) -> Vec<(Vec2, ImagePoint)> {
     /// Maximum height of ground above z = 0: a crowned pitch counts as flat here, m.
     const GROUND_M: f64 = 0.4;
     frame
@@ -165,7 +169,7 @@ fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
                 .shape
                 .point()
                 .filter(|at| at.z.abs() < GROUND_M)
-                .map(|at| (at.xy(), click.image))
+                .map(|at| (at.xy(), lens.square_point(click.image, principal_point)))
         })
         .collect()
 }

@@ -28,7 +28,6 @@ pub(super) fn camera_from_ground_lines(
     size: ImageSize,
     (principal_point, pinhole): (ImagePoint, FocalCurve),
 ) -> Option<PtzCamera> {
-    let square = |at: ImagePoint| pinhole.square_point(at, principal_point);
     let ground: Vec<(Vec3, &DrawnLine)> = lines
         .iter()
         .filter_map(|line| Some((ground_line(line)?, line)))
@@ -49,7 +48,11 @@ pub(super) fn camera_from_ground_lines(
         // In the new unit the line's distance from the origin shrinks, its direction does not.
         let of_field = Vec3::new(of_field.x, of_field.y, of_field.z / unit_m);
         for point in &line.points {
-            let pixel = pixel_in_units(square(*point), principal_point, half_width_px);
+            let pixel = pixel_in_units(
+                pinhole.square_point(*point, principal_point),
+                principal_point,
+                half_width_px,
+            );
             // ℓᵀ G p = Σ ℓ_i G_ij p_j: the coefficients are the products, in nalgebra's order of
             // columns, in which G is read back below.
             let products = of_field * pixel.transpose();
@@ -66,7 +69,7 @@ pub(super) fn camera_from_ground_lines(
         .iter()
         .flat_map(|(_, line)| &line.points)
         .map(|point| {
-            let point = square(*point);
+            let point = pinhole.square_point(*point, principal_point);
             let on_ground =
                 ground_from_image * pixel_in_units(point, principal_point, half_width_px);
             (on_ground.xy() / on_ground.z * unit_m, point)
@@ -123,7 +126,11 @@ mod tests {
                         .push(Observation::from_line(&field, name, pixel, SIZE, click).unwrap());
                 }
             }
-            camera_from_ground_lines(&DrawnLine::group(&observations), SIZE, (SIZE.centre(), FocalCurve::NONE))
+            camera_from_ground_lines(
+                &DrawnLine::group(&observations),
+                SIZE,
+                (SIZE.centre(), FocalCurve::NONE),
+            )
         };
         let area = ["near", "far", "front"].map(|side| format!("penalty_area_right_{side}"));
         let [near, far, front] = area.each_ref().map(String::as_str);

@@ -138,7 +138,11 @@ mod tests {
         document.cameras.push(camera.into());
         let mut frame = new_frame("1.jpg", SIZE);
         assert_eq!(document.stated_lens(&frame).radial, Some(radial));
-        let own = Radial { k1: 0.2, k2: 1.5, ..Radial::default() };
+        let own = Radial {
+            k1: 0.2,
+            k2: 1.5,
+            ..Radial::default()
+        };
         frame.lens = Some(FrameLens::new(3000.0, stated, own));
         let of_frame = document.stated_lens(&frame).radial.unwrap();
         let at_3000 = of_frame.curve.radial_at(3000.0);
@@ -163,7 +167,11 @@ mod tests {
             ..own
         });
         let mut frame = new_frame("1.jpg", SIZE);
-        let radial = Radial { k1: 0.2, k2: 1.5, ..Radial::default() };
+        let radial = Radial {
+            k1: 0.2,
+            k2: 1.5,
+            ..Radial::default()
+        };
         frame.lens = Some(FrameLens::new(
             3000.0,
             ImagePoint::new(970.0, 520.0),
@@ -197,7 +205,11 @@ mod tests {
         let lens = FrameLens::new(
             3000.5,
             ImagePoint::new(970.25, 520.0),
-            Radial { k1: 0.125, k2: 0.0, ..Radial::default() },
+            Radial {
+                k1: 0.125,
+                k2: 0.0,
+                ..Radial::default()
+            },
         );
         let text = serde_json::to_string(&lens).unwrap();
         assert_eq!(

@@ -6,10 +6,10 @@
 //! is written even if it is empty, because readers silently lose images without it. Clicked
 //! landmarks are written as points with tracks. Source: colmap/colmap, doc/format.rst.
 
+use crate::exchange::cameras::calibration_matrix::{Calibration, WithoutSkew};
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, relative_name};
-use crate::exchange::cameras::calibration_matrix::{Calibration, WithoutSkew};
 use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, text};

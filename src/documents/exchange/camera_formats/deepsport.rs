@@ -6,10 +6,10 @@
 //! one's centre. Source: `deepsport-utilities`, `calib3d`.
 
 use super::soccernet::flip_rotation;
+use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::into_document::Exactness;
-use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, without_ending};

@@ -5,9 +5,9 @@
 //! World and camera axes are ours, metres; pixels count from the first one's centre, so the
 //! principal point is ours − 0.5.
 
+use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem, text};
@@ -55,7 +55,17 @@ fn yaml(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> String {
         "camera_matrix",
         3,
         3,
-        &[f, 0.0, cx, 0.0, f * pinhole.lens.pixel_aspect, cy, 0.0, 0.0, 1.0],
+        &[
+            f,
+            0.0,
+            cx,
+            0.0,
+            f * pinhole.lens.pixel_aspect,
+            cy,
+            0.0,
+            0.0,
+            1.0,
+        ],
         &mut text,
     );
     push_matrix(
@@ -415,11 +425,10 @@ mod tests {
             (
                 swap(
                     "2410.0, 0.0, 959.5, 0.0, 2410.0",
-                    "2410.0, 0.0, 959.5, 0.0, 2390.0",
+                    "2410.0, 3.0, 959.5, 0.0, 2410.0",
                 ),
-                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square \
-                 pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture \
-                 to square pixels",
+                "a skew of 3 px: without it the picture is 0.67 px off; up to 0.1 px is taken; \
+                 resample the picture to upright pixels",
             ),
             (
                 swap("959.5, ", ""),

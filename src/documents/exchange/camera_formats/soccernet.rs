@@ -6,10 +6,10 @@
 //! state the picture size: readers take twice the principal point. Source:
 //! SoccerNet/sn-calibration, `src/camera.py`.
 
+use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::picture_size::SizeSource;
-use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeError, Problem};
 use crate::exchange::files::{Files, stem, text};
@@ -651,10 +651,8 @@ mod tests {
                 "x_focal_length is 0, which must be above 0",
             ),
             (
-                with("y_focal_length", json!(2390.0)),
-                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square \
-                 pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture \
-                 to square pixels",
+                with("y_focal_length", json!(241.0)),
+                "fy / fx of the focal lengths 2410 and 241 px is 0.1, which must be 0.25 to 4",
             ),
             (
                 with("radial_distortion", json!([0.1, 0.0, 0.3, 0.0, 0.0, 0.0])),

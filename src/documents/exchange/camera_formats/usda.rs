@@ -125,7 +125,10 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
     // Aperture offsets, mm: positive where the principal point lies left of the middle, or below
     // it.
     // A pixel that is wide for its height has the less of the aperture's height.
-    let aspect = take.samples.first().map_or(1.0, |(_, first)| first.lens.pixel_aspect);
+    let aspect = take
+        .samples
+        .first()
+        .map_or(1.0, |(_, first)| first.lens.pixel_aspect);
     let down_px = per_px / aspect;
     let offset = take.samples.first().map_or([0.0; 2], |(_, first)| {
         [

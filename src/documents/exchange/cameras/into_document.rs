@@ -398,11 +398,10 @@ fn upright_axis(view: &Pinhole) -> Vec3 {
 fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     // The principal point is compared to rounding, 1e-9 px.
     let first = views.first()?;
-    let is_other = |view: &&Pinhole| {
+    if views.iter().any(|view| {
         view.principal_point.distance_px(first.principal_point) >= 1e-9
             || (view.lens.pixel_aspect - first.lens.pixel_aspect).abs() > SAME_LENS
-    };
-    if views.iter().any(is_other) {
+    }) {
         return None;
     }
     let low = views

@@ -513,7 +513,11 @@ mod tests {
         let mut document = gappy();
         for (index, x, k1) in [(1, 950.0, 0.1), (2, 980.0, 0.4)] {
             let focal_px = document.frames[index].ptz.as_ref().unwrap().focal_px;
-            let radial = Radial { k1, k2: 0.0, ..Radial::default() };
+            let radial = Radial {
+                k1,
+                k2: 0.0,
+                ..Radial::default()
+            };
             let lens = FrameLens::new(focal_px, ImagePoint::new(x, 540.0), radial);
             document.frames[index].lens = Some(lens);
         }

@@ -318,7 +318,14 @@ mod tests {
     fn frames_that_lose_nothing_do_not_dilute_what_the_others_lose() {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let bare = camera(Radial::default(), 2000.0);
-        let with_lens = camera(Radial { k1: 0.1, k2: 0.0, ..Radial::default() }, 2000.0);
+        let with_lens = camera(
+            Radial {
+                k1: 0.1,
+                k2: 0.0,
+                ..Radial::default()
+            },
+            2000.0,
+        );
         let alone = loss_between(from_ref(&with_lens), from_ref(&bare), &field).unwrap();
         let both = loss_between(&[with_lens, bare.clone()], &[bare.clone(), bare], &field).unwrap();
         assert_eq!((alone.rms_px, alone.frames), (both.rms_px, both.frames));

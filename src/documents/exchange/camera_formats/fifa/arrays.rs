@@ -1,7 +1,7 @@
 //! The arrays of a file: frames are read from them and written into them.
 
-use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, KnownLens, Pinhole};
 use crate::exchange::cameras::calibration_matrix::Calibration;
+use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, KnownLens, Pinhole};
 use crate::exchange::error::Problem;
 use crate::exchange::options::Pixels;
 use crate::exchange::syntax::npy::Array;

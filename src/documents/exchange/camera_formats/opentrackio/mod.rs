@@ -513,8 +513,13 @@ mod tests {
         absurd["lens"].as_object_mut().unwrap().remove("distortion");
         assert!(read(&absurd).is_ok(), "as it says");
         let mut squeezed = sample;
-        squeezed["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 2, "denom": 1 });
-        let said = read(&squeezed).unwrap_err().to_string();
-        assert!(said.contains("the nearest square pixels are"), "{said}");
+        let mut squeezed_by = |num: u32| {
+            squeezed["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": num, "denom": 1 });
+            read(&squeezed)
+        };
+        let pinhole = *squeezed_by(2).unwrap().pinhole().unwrap();
+        assert_eq!((pinhole.focal_px, pinhole.lens.pixel_aspect), (1205.0, 2.0));
+        let said = squeezed_by(5).unwrap_err().to_string();
+        assert!(said.contains("is 5, which must be 0.25 to 4"), "{said}");
     }
 }

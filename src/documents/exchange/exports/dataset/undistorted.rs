@@ -210,7 +210,11 @@ mod tests {
     #[test]
     fn a_lens_of_the_frame_itself_is_taken_off_too() {
         let mut document = awkward();
-        let radial = Radial { k1: -0.2, k2: 0.0, ..Radial::default() };
+        let radial = Radial {
+            k1: -0.2,
+            k2: 0.0,
+            ..Radial::default()
+        };
         document.frames[3].lens = Some(FrameLens::new(2130.0, SIZE.centre(), radial));
         let plain = undistort_document(&document);
         let camera = plain.ptz_camera(&plain.frames[3]).unwrap();
