@@ -89,7 +89,10 @@ fn formats_hold_the_aspect_of_the_pixels_or_say_what_it_loses() {
     for format in [Format::Usda, Format::Homography, Format::Wc14] {
         let options = ExportOptions::default();
         let exported = export(document.at(Path::new("/")), format, &options).unwrap();
-        let said = exported.loss.map(|loss| loss.to_string()).unwrap_or_default();
+        let said = exported
+            .loss
+            .map(|loss| loss.to_string())
+            .unwrap_or_default();
         assert!(!said.contains("not square"), "{format}: {said}");
     }
 }

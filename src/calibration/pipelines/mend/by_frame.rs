@@ -22,6 +22,11 @@ const FITS_PX: f64 = 30.0;
 /// A place of fewer frames than this is none.
 const MIN_MEMBERS: usize = 3;
 
+/// The frames that stand at a place and do not fit it, to one side, are at least this many times
+/// fewer than those that do: of errors along the view with a σ of 3 m, one in twenty is farther off
+/// than the 5 m that fit.
+const FEWER_IN_TAIL: usize = 15;
+
 /// A camera on a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PlacedFrame {
@@ -107,7 +112,7 @@ fn fitting_places(
     mut open: Vec<usize>,
     size: ImageSize,
 ) -> Vec<SharedPlace> {
-    let mut places = Vec::new();
+    let mut places: Vec<SharedPlace> = Vec::new();
     while let Some(found) = most_shared(given, &open) {
         // Cameras of another place among the members displace the median. The place is determined
         // once more from those that fit it.
@@ -123,9 +128,24 @@ fn fitting_places(
             .as_ref()
             .map_or(&found.members, |place| &place.members);
         open.retain(|index| done.binary_search(index).is_err());
-        places.extend(settled);
+        places.extend(settled.filter(|settled| {
+            !places
+                .iter()
+                .any(|earlier| is_tail(given, settled, earlier))
+        }));
     }
     places
+}
+
+/// Whether a place is of those few frames of an earlier one that err so far that they do not fit it:
+/// they stand within its scatter.
+fn is_tail(given: &[GivenCamera], place: &SharedPlace, earlier: &SharedPlace) -> bool {
+    let of_earlier = place.members.iter().filter(|index| {
+        let camera = given[**index].usable();
+        camera.is_some_and(|camera| earlier.contains(camera.base().position_m))
+    });
+    place.members.len() * FEWER_IN_TAIL <= earlier.members.len()
+        && 2 * of_earlier.count() > place.members.len()
 }
 
 /// The place that most of some frames share; its members are indices of frames.
@@ -144,7 +164,7 @@ fn most_shared(given: &[GivenCamera], frames: &[usize]) -> Option<SharedPlace> {
 /// A camera that stands at a place, on the place's base; none if it does not fit.
 fn fit(camera: &PtzCamera, place: &SharedPlace, size: ImageSize) -> Option<OnBase> {
     place
-        .contains(camera)
+        .contains(camera.base().position_m)
         .then(|| ptz_on_base(camera, &place.base, size))?
         .filter(|on_base| on_base.moved_px <= FITS_PX)
 }

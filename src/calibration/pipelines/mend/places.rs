@@ -248,7 +248,8 @@ fn mirror_one_back(given: &GivenCamera, places: &[SharedPlace]) -> GivenCamera {
 }
 
 fn stands_at_one_of(places: &[SharedPlace], camera: &PtzCamera) -> bool {
-    places.iter().any(|place| place.contains(camera))
+    let position_m = camera.base().position_m;
+    places.iter().any(|place| place.contains(position_m))
 }
 
 #[cfg(test)]

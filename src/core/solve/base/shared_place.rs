@@ -11,10 +11,8 @@
 //!
 //! 1. The mode of the positions: the position with the most others within [`NEAR_M`]. A mean would
 //!    follow the absurd ones.
-//! 2. From there the median along each axis, and the scatter along each axis and along each
-//!    camera's own view from the median absolute deviation, of the positions within reach; repeated
-//!    until they are the same. Positions err along the view above all: those of the few frames that
-//!    look far to the side lie beside all others, and would else make a place of their own.
+//! 2. From there the median along each axis, and the scatter along each axis from the median
+//!    absolute deviation, of the positions within reach; repeated until they are the same.
 //! 3. The pan axis. A camera without roll keeps its x axis perpendicular to the pan axis, so the
 //!    axis `a` minimises the sum of `(x · a)²`. With `a = (u, v, 1)` this is linear in `u` and `v`.
 //!    Cauchy weights reduce the effect of wrong frames, and a prior that the head is levelled
@@ -81,15 +79,12 @@ pub struct SharedPlace {
     pub members: Vec<usize>,
     /// 1-σ of the members' positions along each axis (`world`), m.
     pub scatter_m: Vec3,
-    /// 1-σ of the members' positions along their views, m.
-    pub scatter_along_view_m: f64,
 }
 
 impl SharedPlace {
-    /// Whether a camera stands within the scatter of the members' positions.
-    pub fn contains(&self, camera: &PtzCamera) -> bool {
-        let scatter_m = (self.scatter_m, self.scatter_along_view_m);
-        is_within(camera, self.base.position_m, scatter_m)
+    /// Whether a position lies within the scatter of the members' positions.
+    pub fn contains(&self, position_m: Vec3) -> bool {
+        is_within(position_m, self.base.position_m, self.scatter_m)
     }
 }
 
@@ -136,11 +131,10 @@ fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Op
     })?;
     // From there, members and their median and scatter in turn, until the members stay the same.
     let mut scatter_m = Vec3::repeat(NEAR_M / MEMBER_SIGMAS);
-    let mut along_view_m = NEAR_M / MEMBER_SIGMAS;
     let mut members = Vec::new();
     for _ in 0..ROUNDS {
         let mut of_place = open.to_vec();
-        of_place.retain(|index| is_within(&cameras[*index], middle, (scatter_m, along_view_m)));
+        of_place.retain(|index| is_within(position(index), middle, scatter_m));
         if of_place.len() < fewest {
             return None;
         }
@@ -150,12 +144,6 @@ fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Op
             middle[axis] = middle_m;
             scatter_m[axis] = sigma_m.clamp(SCATTER_M[0], SCATTER_M[1]);
         }
-        let mut along: Vec<f64> = of_place
-            .iter()
-            .map(|index| off_along_view(&cameras[*index], middle).0)
-            .collect();
-        let (_, sigma_m) = middle_and_sigma(&mut along)?;
-        along_view_m = sigma_m.clamp(SCATTER_M[0], SCATTER_M[1]);
         if of_place == members {
             break;
         }
@@ -187,28 +175,12 @@ fn most_shared_place(cameras: &[PtzCamera], open: &[usize], fewest: usize) -> Op
         base,
         members,
         scatter_m,
-        scatter_along_view_m: along_view_m,
     })
 }
 
-/// Whether a camera stands within the scatter about the middle of a place: as it is, or once what it
-/// is off along its own view, within the scatter along views, is taken out.
-fn is_within(camera: &PtzCamera, middle: Vec3, (sigma_m, along_view_m): (Vec3, f64)) -> bool {
-    let (along_m, rest_m) = off_along_view(camera, middle);
-    let fits_along = along_m.abs() <= MEMBER_SIGMAS * along_view_m;
-    is_near(camera.base().position_m - middle, sigma_m) || (fits_along && is_near(rest_m, sigma_m))
-}
-
-fn is_near(off_m: Vec3, sigma_m: Vec3) -> bool {
-    off_m.component_div(&sigma_m).amax() <= MEMBER_SIGMAS
-}
-
-/// How far a camera stands from a place along its view, m, and what is left beside that.
-fn off_along_view(camera: &PtzCamera, middle: Vec3) -> (f64, Vec3) {
-    let off_m = camera.base().position_m - middle;
-    let view: Vec3 = camera.cam_from_world().row(2).transpose();
-    let along_m = off_m.dot(&view);
-    (along_m, off_m - view * along_m)
+fn is_within(position_m: Vec3, middle: Vec3, sigma_m: Vec3) -> bool {
+    let off = (position_m - middle).component_div(&sigma_m);
+    off.amax() <= MEMBER_SIGMAS
 }
 
 /// The median of numbers, and their σ from the median absolute deviation.
@@ -448,30 +420,6 @@ mod tests {
             (at[0] - 1.56).abs() < 0.2 && (at[1] + 34.44).abs() < 0.2,
             "{at:?}"
         );
-    }
-
-    #[test]
-    fn frames_that_look_aside_and_err_along_their_view_are_of_the_place_of_all() {
-        let mut noise = Pcg64Mcg::seed_from_u64(5);
-        let exact = base_at(PLACE, SIZE);
-        // Nearly all frames look ahead, a tenth to the side.
-        let one = |index: usize| {
-            let pan_deg = if index % 10 == 0 { 45.0 } else { 0.0 };
-            let mut normal = || noise.sample::<f64, _>(StandardNormal);
-            let camera = exact.aim(pan_deg + 3.0 * normal(), -10.0, 2800.0);
-            let view: Vec3 = camera.cam_from_world().row(2).transpose();
-            let beside_m = Vec3::new(normal(), normal(), normal()) * 0.1;
-            let moved = CameraBase {
-                position_m: PLACE + view * (3.0 * normal()) + beside_m,
-                ..exact
-            };
-            PtzCamera::new(moved, camera.ptz())
-        };
-        let cameras: Vec<PtzCamera> = (0..300).map(one).collect();
-        let places = shared_places(&cameras);
-        assert_eq!(places.len(), 1, "{}", places[1]);
-        assert!(places[0].members.len() > 290, "{}", places[0]);
-        assert!((places[0].scatter_along_view_m - 3.0).abs() < 0.5);
     }
 
     #[test]
