@@ -22,11 +22,6 @@ const FITS_PX: f64 = 30.0;
 /// A place of fewer frames than this is none.
 const MIN_MEMBERS: usize = 3;
 
-/// The frames that stand at a place and do not fit it, to one side, are at least this many times
-/// fewer than those that do: of errors along the view with a σ of 3 m, one in twenty is farther off
-/// than the 5 m that fit.
-const FEWER_IN_TAIL: usize = 15;
-
 /// A camera on a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PlacedFrame {
@@ -112,7 +107,7 @@ fn fitting_places(
     mut open: Vec<usize>,
     size: ImageSize,
 ) -> Vec<SharedPlace> {
-    let mut places: Vec<SharedPlace> = Vec::new();
+    let mut places = Vec::new();
     while let Some(found) = most_shared(given, &open) {
         // Cameras of another place among the members displace the median. The place is determined
         // once more from those that fit it.
@@ -128,24 +123,9 @@ fn fitting_places(
             .as_ref()
             .map_or(&found.members, |place| &place.members);
         open.retain(|index| done.binary_search(index).is_err());
-        places.extend(settled.filter(|settled| {
-            !places
-                .iter()
-                .any(|earlier| is_tail(given, settled, earlier))
-        }));
+        places.extend(settled);
     }
     places
-}
-
-/// Whether a place is of those few frames of an earlier one that err so far that they do not fit it:
-/// they stand within its scatter.
-fn is_tail(given: &[GivenCamera], place: &SharedPlace, earlier: &SharedPlace) -> bool {
-    let of_earlier = place.members.iter().filter(|index| {
-        let camera = given[**index].usable();
-        camera.is_some_and(|camera| earlier.contains(camera.base().position_m))
-    });
-    place.members.len() * FEWER_IN_TAIL <= earlier.members.len()
-        && 2 * of_earlier.count() > place.members.len()
 }
 
 /// The place that most of some frames share; its members are indices of frames.
