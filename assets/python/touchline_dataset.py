@@ -29,7 +29,7 @@ class Dataset:
     source      list: clicks, forest, tracking, markings, import, ... or None
     size        (n, 2) width and height, px
     pan, tilt   (n,) degrees
-    f           (n,) focal length, px
+    f           (n,) focal length, px (fx)
     k1, k2      (n,) radial distortion on normalised coordinates
     R           (n, 3, 3) world to camera
     C           (n, 3) centre of projection, m
@@ -72,8 +72,9 @@ class Dataset:
         turned = [_turn(p, t) @ _rotation(b) for p, t, b in zip(self.pan, self.tilt, bases)]
         self.R = np.array(turned, float).reshape(-1, 3, 3)
         self.C = np.array([cameras[f["camera"]]["position_m"] for f in frames], float).reshape(-1, 3)
-        points = [(f.get("lens") or cameras[f["camera"]])["principal_point_px"] for f in frames]
-        self.K = np.array([[[f, 0, x], [0, f, y], [0, 0, 1]] for f, (x, y) in zip(self.f, points)], float).reshape(-1, 3, 3)
+        stated = [f.get("lens") or cameras[f["camera"]] for f in frames]
+        pinholes = [(f, f * s.get("pixel_aspect", 1.0), *s["principal_point_px"]) for f, s in zip(self.f, stated)]
+        self.K = np.array([[[fx, 0, x], [0, fy, y], [0, 0, 1]] for fx, fy, x, y in pinholes], float).reshape(-1, 3, 3)
         ground = np.concatenate([self.R[:, :, :2], self.t[:, :, None]], axis=2)
         inverse = np.linalg.inv(self.K @ ground)
         self.H = inverse / inverse[:, 2:, 2:]
@@ -105,7 +106,7 @@ class Dataset:
         r2 = (ideal**2).sum(axis=1)
         k1, k2 = self.k1[index], self.k2[index]
         bent = ideal * (1 + r2 * (k1 + r2 * k2))[:, None]
-        pixels = bent * self.f[index] + self.K[index, :2, 2]
+        pixels = bent * self.K[index].diagonal()[:2] + self.K[index, :2, 2]
         folded = r2 >= _fold(k1, k2)
         pixels[(camera[:, 2] <= 1e-6 * np.linalg.norm(camera, axis=1)) | folded] = np.nan
         return pixels

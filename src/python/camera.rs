@@ -6,7 +6,9 @@ use crate::progress::threads;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
+use touchline_core::camera::{
+    BaseAngles, CameraBase, FocalCurve, PIXEL_ASPECTS, Ptz, PtzCamera, Radial,
+};
 use touchline_core::geometry::rotation::{
     ROTATION_TOLERANCE, distance_from_rotation, nearest_rotation,
 };
@@ -35,7 +37,8 @@ impl PyBase {
     #[new]
     #[pyo3(signature = (
         position_m, image_size_px, base_from_world = None, principal_point_px = None, *,
-        k1 = 0.0, per_1000_px = 0.0, at_focal_px = 0.0, k2_per_k1_squared = 0.0
+        k1 = 0.0, per_1000_px = 0.0, at_focal_px = 0.0, k2_per_k1_squared = 0.0,
+        pixel_aspect = 1.0
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
@@ -47,6 +50,7 @@ impl PyBase {
         per_1000_px: f64,
         at_focal_px: f64,
         k2_per_k1_squared: f64,
+        pixel_aspect: f64,
     ) -> PyResult<Self> {
         let image_size = image_size(image_size_px)?;
         let position = Numbers::read(position_m, "position_m")?.vector()?;
@@ -64,6 +68,7 @@ impl PyBase {
                 value: k1,
                 per_1000_px,
                 k2_per_k1_squared,
+                pixel_aspect,
             },
             ..CameraBase::new(position, base_from_world, principal_point)
         };
@@ -71,6 +76,11 @@ impl PyBase {
             return Err(PyValueError::new_err(
                 "k1, per_1000_px, at_focal_px, k2_per_k1_squared: finite numbers are needed",
             ));
+        }
+        if !PIXEL_ASPECTS.contains(&pixel_aspect) {
+            return Err(PyValueError::new_err(format!(
+                "pixel_aspect: fy / fx from 0.25 to 4 is needed, not {pixel_aspect}"
+            )));
         }
         Ok(Self { base, image_size })
     }
@@ -108,6 +118,12 @@ impl PyBase {
     fn principal_point_px<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let at = self.base.principal_point;
         Ok(array(py, [2], vec![at.x, at.y])?.into_any())
+    }
+
+    /// The aspect of the pixels, fy / fx; 1: square.
+    #[getter]
+    fn pixel_aspect(&self) -> f64 {
+        self.base.distortion.pixel_aspect
     }
 
     /// Columns and rows of its pictures, px.
@@ -182,7 +198,7 @@ impl PyCamera {
     /// OpenCV's coefficients k1, k2, p1, p2, k3, (5,); all but k1 and k2 are 0.
     #[getter]
     fn dist<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let Radial { k1, k2 } = self.camera.lens();
+        let Radial { k1, k2, .. } = self.camera.lens();
         Ok(array(py, [5], vec![k1, k2, 0.0, 0.0, 0.0])?.into_any())
     }
 
@@ -198,7 +214,7 @@ impl PyCamera {
         self.camera.ptz().tilt.degrees()
     }
 
-    /// The focal length, px.
+    /// The focal length across the picture, fx, px.
     #[getter]
     fn focal_px(&self) -> f64 {
         self.camera.ptz().focal_px
@@ -231,8 +247,7 @@ impl PyCamera {
 
 /// The matrix of a camera's pinhole.
 pub fn pinhole(camera: &PtzCamera) -> Mat3 {
-    let (f, at) = (camera.ptz().focal_px, camera.base().principal_point);
-    Mat3::new(f, 0.0, at.x, 0.0, f, at.y, 0.0, 0.0, 1.0)
+    camera.calibration_matrix()
 }
 
 /// Where a camera shows points of the world.

@@ -90,6 +90,7 @@ fn two_references(frames: u64) -> Document {
         value: 0.0633,
         per_1000_px: 0.3986,
         k2_per_k1_squared: 2.0,
+        ..FocalCurve::NONE
     };
     let centre = ImagePoint::new(644.65, 329.17);
     main.set_base(&CameraBase {

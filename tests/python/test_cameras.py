@@ -16,7 +16,8 @@ def cameras(count=50):
         level = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
         k1 = random.choice([0.0, random.uniform(-0.3, 0.3)])
         base = touchline.Base(
-            position, (1920, 1080), lean @ level, random.uniform((900, 500), (1000, 580)), k1=k1, k2_per_k1_squared=2.0
+            position, (1920, 1080), lean @ level, random.uniform((900, 500), (1000, 580)), k1=k1, k2_per_k1_squared=2.0,
+            pixel_aspect=random.choice([1.0, random.uniform(0.6, 1.8)]),
         )
         yield base.camera(random.uniform(-40, 40), random.uniform(-25, -5), random.uniform(1000, 6000))
 

@@ -68,6 +68,7 @@ fn differs(one: &CameraBase, other: &CameraBase) -> bool {
     (one.position_m - other.position_m).amax() > SAME_BASE
         || (one.base_from_world - other.base_from_world).amax() > SAME_BASE
         || one.principal_point.distance_px(other.principal_point) > SAME_BASE
+        || (one.distortion.pixel_aspect - other.distortion.pixel_aspect).abs() > SAME_BASE
         || [1000.0, 5000.0].iter().any(|&focal_px| {
             let apart = one.distortion.at(focal_px) - other.distortion.at(focal_px);
             apart.abs() > SAME_BASE

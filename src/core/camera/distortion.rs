@@ -8,15 +8,20 @@
 //! again, and such points count as having no image. k₂ = α k₁² has no fold where α > 9/20, since
 //! the derivative 1 + 3 u + 5 α u², u = k₁ r², then has no root. So such a lens needs no further
 //! parameter, and k₁ keeps its meaning.
+//!
+//! Pixels that are not square are part of the lens, too, as in other bundle adjustments
+//! (affinity): behind the distortion, y is multiplied by the pixels' aspect fy / fx. So [`distort`]
+//! and [`undistort`] alone know of it, and everything between the camera and the distorted point
+//! has square pixels.
 
-use crate::geometry::Vec2;
+use crate::geometry::{ImagePoint, Vec2};
 use nalgebra::Matrix2;
 use serde::Serialize;
 use thiserror::Error;
 
 /// The lens as a function of the focal length: k₁ = value + `per_1000_px` · (f − `at_focal_px`) /
 /// 1000, and k₂ = α k₁².
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FocalCurve {
     /// The focal length at which `value` holds, px.
     pub at_focal_px: f64,
@@ -26,19 +31,51 @@ pub struct FocalCurve {
     pub per_1000_px: f64,
     /// α of k₂ = α k₁²; 0: k₂ is zero.
     pub k2_per_k1_squared: f64,
+    /// The aspect of the pixels, their width over their height: fy / fx, the focal length down the
+    /// picture over that across it. 1: square. The focal length of a camera is fx.
+    #[serde(skip_serializing_if = "is_square")]
+    pub pixel_aspect: f64,
 }
 
 /// The coefficients of a lens at one focal length.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Radial {
     /// Of r².
     pub k1: f64,
     /// Of r⁴.
     pub k2: f64,
+    /// The aspect of the pixels, fy / fx; 1: square.
+    #[serde(skip_serializing_if = "is_square")]
+    pub pixel_aspect: f64,
+}
+
+/// The aspects of pixels that pictures have. Anamorphic lenses squeeze by 2, and the strongest usual
+/// scaling, 16:9 to 9:16, by 3.2; a number beyond that is a mistake.
+pub const PIXEL_ASPECTS: std::ops::RangeInclusive<f64> = 0.25..=4.0;
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes fields by reference"
+)]
+fn is_square(pixel_aspect: &f64) -> bool {
+    *pixel_aspect == 1.0
+}
+
+impl Default for FocalCurve {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl Default for Radial {
+    /// No distortion, square pixels.
+    fn default() -> Self {
+        Self::k1(0.0)
+    }
 }
 
 impl FocalCurve {
-    /// No distortion.
+    /// No distortion, square pixels.
     pub const NONE: Self = Self::constant(0.0);
 
     /// α of the lens without a fold: the division model `x_n` = `x_d` / (1 + λ `r_d`²) (Fitzgibbon,
@@ -52,11 +89,38 @@ impl FocalCurve {
             value: k1,
             per_1000_px: 0.0,
             k2_per_k1_squared: 0.0,
+            pixel_aspect: 1.0,
         }
     }
 
+    /// The same lens in front of pixels of another aspect.
+    #[must_use]
+    pub const fn with_pixel_aspect(self, pixel_aspect: f64) -> Self {
+        Self {
+            pixel_aspect,
+            ..self
+        }
+    }
+
+    /// Whether it is a pinhole's, whatever the pixels' aspect.
+    pub(crate) fn is_pinhole(&self) -> bool {
+        self.with_pixel_aspect(1.0) == Self::NONE
+    }
+
+    /// A point of the picture where it would be if the pixels were square and as wide as they are.
+    pub(crate) fn square_point(&self, at: ImagePoint, principal_point: ImagePoint) -> ImagePoint {
+        let offset = at.offset_from(principal_point);
+        principal_point.translate(Vec2::new(offset.x, offset.y / self.pixel_aspect))
+    }
+
     /// The lens with these coefficients at every focal length; none where k₂ comes without k₁.
-    pub fn through(Radial { k1, k2 }: Radial) -> Option<Self> {
+    pub fn through(
+        Radial {
+            k1,
+            k2,
+            pixel_aspect,
+        }: Radial,
+    ) -> Option<Self> {
         // The curve has k₂ only as a multiple of k₁².
         if k1 == 0.0 && k2 != 0.0 {
             return None;
@@ -64,6 +128,7 @@ impl FocalCurve {
         let k2_per_k1_squared = if k2 == 0.0 { 0.0 } else { k2 / (k1 * k1) };
         Some(Self {
             k2_per_k1_squared,
+            pixel_aspect,
             ..Self::constant(k1)
         })
     }
@@ -81,6 +146,7 @@ impl FocalCurve {
         Radial {
             k1,
             k2: self.k2_per_k1_squared * k1 * k1,
+            pixel_aspect: self.pixel_aspect,
         }
     }
 
@@ -141,6 +207,7 @@ impl FocalCurve {
             self.value,
             self.per_1000_px,
             self.k2_per_k1_squared,
+            self.pixel_aspect,
         ]
         .iter()
         .all(|x| x.is_finite())
@@ -148,9 +215,34 @@ impl FocalCurve {
 }
 
 impl Radial {
-    /// A lens with k₁ alone.
+    /// A lens with k₁ alone, and square pixels.
     pub const fn k1(k1: f64) -> Self {
-        Self { k1, k2: 0.0 }
+        Self {
+            k1,
+            k2: 0.0,
+            pixel_aspect: 1.0,
+        }
+    }
+
+    /// An offset in the picture as it is with square pixels (any unit).
+    #[inline]
+    pub fn square_from_pixels(&self, offset: Vec2) -> Vec2 {
+        Vec2::new(offset.x, offset.y / self.pixel_aspect)
+    }
+
+    /// An offset with square pixels as it is in the picture (any unit).
+    #[inline]
+    pub fn pixels_from_square(&self, offset: Vec2) -> Vec2 {
+        Vec2::new(offset.x, offset.y * self.pixel_aspect)
+    }
+
+    /// The same pixels behind a lens without distortion.
+    #[must_use]
+    pub const fn without_distortion(&self) -> Self {
+        Self {
+            pixel_aspect: self.pixel_aspect,
+            ..Self::k1(0.0)
+        }
     }
 
     /// The factor by which distortion scales a point at this ideal radius (squared).
@@ -177,10 +269,11 @@ impl Radial {
         self.slope(steepest).max(1.0)
     }
 
-    /// The derivative of the distorted point by the ideal one.
+    /// The derivative of the distorted point by the ideal one, as [`distort`] gives it.
     #[inline]
     pub fn by_ideal(&self, ideal: Vec2) -> Matrix2<f64> {
-        // d(x s(r²))/dx = s I + 2 s' x xᵀ, with s' the derivative of the stretch s by r².
+        // d(x s(r²))/dx = s I + 2 s' x xᵀ, with s' the derivative of the stretch s by r²; the row
+        // of y times the pixels' aspect.
         let squared = ideal.norm_squared();
         let (stretch, along) = (
             self.stretch(squared),
@@ -190,8 +283,8 @@ impl Radial {
         Matrix2::new(
             stretch + along * ideal.x * ideal.x,
             across,
-            across,
-            stretch + along * ideal.y * ideal.y,
+            across * self.pixel_aspect,
+            (stretch + along * ideal.y * ideal.y) * self.pixel_aspect,
         )
     }
 
@@ -249,10 +342,11 @@ pub enum UndistortError {
     },
 }
 
-/// The distorted point of an ideal one (normalised coordinates).
+/// The distorted point of an ideal one (normalised coordinates), in widths of pixels across and
+/// their heights down.
 #[inline]
 pub(crate) fn distort(ideal: Vec2, lens: Radial) -> Vec2 {
-    ideal * lens.stretch(ideal.norm_squared())
+    lens.pixels_from_square(ideal * lens.stretch(ideal.norm_squared()))
 }
 
 /// The ideal point of a distorted one (normalised coordinates), to machine precision.
@@ -260,6 +354,7 @@ pub(crate) fn distort(ideal: Vec2, lens: Radial) -> Vec2 {
 /// # Errors
 /// The lens model folds before it reaches the point.
 pub fn undistort(distorted: Vec2, lens: Radial) -> Result<Vec2, UndistortError> {
+    let distorted = lens.square_from_pixels(distorted);
     if lens.k2 == 0.0 {
         return undistort_k1(distorted, lens.k1);
     }
@@ -371,6 +466,7 @@ mod tests {
         let lens = |k1: f64, k2_per_k1_squared: f64| Radial {
             k1,
             k2: k2_per_k1_squared * k1 * k1,
+            pixel_aspect: 1.0 + k1,
         };
         for k1 in [-0.2, -0.12, -0.02, 0.0, 0.1, 0.5, 4.0] {
             for lens in [-0.3, 0.0, 0.3, 0.5, 2.0].map(|share| lens(k1, share)) {
@@ -419,6 +515,7 @@ mod tests {
             let barrel = Radial {
                 k1: -0.1,
                 k2: share * 0.01,
+                ..Radial::default()
             };
             assert!(matches!(
                 undistort(far, barrel),
@@ -436,6 +533,7 @@ mod tests {
                 value: -0.02,
                 per_1000_px: 0.21,
                 k2_per_k1_squared,
+                ..FocalCurve::NONE
             };
             let found: Vec<f64> = curve.fold_focals(1100.0).collect();
             assert_eq!(found.len(), 1, "{found:?}");
@@ -482,7 +580,11 @@ mod tests {
             (-0.3, -0.2),
             (0.3, 0.0),
         ] {
-            let lens = Radial { k1, k2 };
+            let lens = Radial {
+                k1,
+                k2,
+                ..Radial::default()
+            };
             for end in [0.1, 0.4, 0.45, 1.0] {
                 let slopes = (0..=1000).map(|step| lens.slope(end * f64::from(step) / 1000.0));
                 let sampled = slopes.fold(0.0, f64::max);

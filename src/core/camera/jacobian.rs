@@ -140,14 +140,14 @@ impl PtzCamera {
         // Chain rule: `cam` → ideal point (x/z, y/z) → distorted point → px. The image is linear in
         // the focal length where k₁ is fixed, with the distorted point as its derivative.
         let stretch = lens.stretch(radius_squared);
-        let distorted = ideal * stretch;
+        let distorted = lens.pixels_from_square(ideal * stretch);
         let by_ideal = lens.by_ideal(ideal);
         let ideal_by_cam = Matrix2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / point_in_cam.z;
         Ok((
             self.base().principal_point.translate(distorted * focal_px),
             by_ideal * ideal_by_cam * focal_px,
             distorted,
-            ideal
+            lens.pixels_from_square(ideal)
                 * (self
                     .base()
                     .distortion
@@ -172,6 +172,7 @@ mod tests {
                 value: -0.16,
                 per_1000_px: 0.21,
                 k2_per_k1_squared,
+                pixel_aspect: 0.8,
             },
             ..turned_base(
                 [3.0, -62.0, 17.0],

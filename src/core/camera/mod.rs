@@ -18,7 +18,7 @@ mod stated_lens;
 
 pub use base::{BaseAngles, CameraBase};
 pub use base_sigma::BaseSigma;
-pub use distortion::{FocalCurve, Radial, UndistortError};
+pub use distortion::{FocalCurve, PIXEL_ASPECTS, Radial, UndistortError};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub use projection::{ProjectError, PtzCamera};
 pub use shared_parameters::{BaseCorrelation, SHARED_PARAMETERS, SharedCovariance, SharedError};

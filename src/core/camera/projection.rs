@@ -145,6 +145,13 @@ impl PtzCamera {
         self.lens.fold_radius_squared().sqrt()
     }
 
+    /// The calibration matrix K, from the plane z = 1 of `cam` to px, without distortion.
+    pub fn calibration_matrix(&self) -> Mat3 {
+        let (fx, at) = (self.ptz.focal_px, self.base.principal_point);
+        let fy = fx * self.lens.pixel_aspect;
+        Mat3::new(fx, 0.0, at.x, 0.0, fy, at.y, 0.0, 0.0, 1.0)
+    }
+
     /// The image of a world point, px.
     ///
     /// # Errors
@@ -254,6 +261,20 @@ mod tests {
     }
 
     #[test]
+    fn pixels_that_are_not_square_multiply_y_behind_the_distortion() {
+        let square = base(-0.1).aim(12.0, -8.0, 2400.0);
+        let mut oblong = *square.base();
+        oblong.distortion.pixel_aspect = 1.25;
+        let oblong = PtzCamera::new(oblong, square.ptz());
+        let point = Vec3::new(7.0, -12.0, 1.5);
+        let [at, there] = [square, oblong].map(|camera| camera.image_from_world(point).unwrap());
+        assert!((there.x - at.x).abs() < 1e-9);
+        assert!((there.y - 540.0 - 1.25 * (at.y - 540.0)).abs() < 1e-9);
+        let k = oblong.calibration_matrix();
+        assert_eq!((k[(0, 0)], k[(1, 1)]), (2400.0, 3000.0));
+    }
+
+    #[test]
     fn right_of_the_axis_is_right_in_the_picture_and_up_is_up() {
         let camera = base(0.0).aim(0.0, -15.0, 2000.0);
         let middle = camera.image_from_world(Vec3::new(0.0, 0.0, 0.0)).unwrap();
@@ -297,9 +318,11 @@ mod tests {
         #[test]
         fn every_point_of_the_picture_comes_back(
             x in 0.0..1920.0f64, y in 0.0..1080.0f64, pan in -40.0..40.0f64, tilt in -30.0..-5.0f64,
-            focal in 1300.0..6000.0f64, k1 in -0.12..0.3f64,
+            focal in 1300.0..6000.0f64, k1 in -0.12..0.3f64, aspect in 0.7..2.0f64,
         ) {
-            let camera = base(k1).aim(pan, tilt, focal);
+            let mut base = base(k1);
+            base.distortion.pixel_aspect = aspect;
+            let camera = base.aim(pan, tilt, focal);
             let point = ImagePoint::new(x, y);
             let ray = camera.ray_from_image(point).unwrap();
             prop_assert!(camera.image_from_ray(ray).unwrap().distance_px(point) < 1e-8);

@@ -1,7 +1,7 @@
 //! The lens of a camera as it is stated before anything of the camera is found: the prior of
 //! every search and of every start.
 
-use super::{BaseSigma, FocalCurve};
+use super::{BaseSigma, FocalCurve, Radial};
 use crate::geometry::{ImagePoint, ImageSize};
 
 /// Principal point and distortion as a person or a file states them. What is not stated is that of
@@ -12,6 +12,8 @@ pub struct StatedLens {
     pub principal_point: Option<ImagePoint>,
     /// The distortion; none: that of usual cameras.
     pub radial: Option<StatedRadial>,
+    /// The aspect of the pixels, fy / fx; none: square.
+    pub pixel_aspect: Option<f64>,
 }
 
 /// A stated distortion with its 1-σ.
@@ -36,12 +38,23 @@ impl StatedLens {
         Self {
             principal_point: Some(principal_point),
             radial: None,
+            pixel_aspect: None,
         }
     }
 
     /// The principal point with which a search in pictures of a size begins, px.
     pub fn principal_point_in(&self, image_size: ImageSize) -> ImagePoint {
         self.principal_point.unwrap_or(image_size.centre())
+    }
+
+    /// A lens without distortion in front of these pixels, with which a search begins.
+    pub fn without_distortion(&self) -> FocalCurve {
+        FocalCurve::NONE.with_pixel_aspect(self.pixel_aspect.unwrap_or(1.0))
+    }
+
+    /// The same at one focal length, as at any.
+    pub fn pixels(&self) -> Radial {
+        self.without_distortion().radial_at(0.0)
     }
 }
 

@@ -197,8 +197,9 @@ fn most_shrunk(
     min: ImagePoint,
     max: ImagePoint,
 ) -> impl Iterator<Item = ImagePoint> {
-    // In the picture that radius is a circle about the principal point, which meets each edge at up
-    // to two points. A radius of NaN makes all of them NaN, which the filter drops.
+    // In a picture with square pixels that radius is a circle about the principal point, which
+    // meets each edge at up to two points. A radius of NaN makes all of them NaN, which the filter
+    // drops.
     let (lens, principal) = (camera.lens(), camera.base().principal_point);
     let squared = lens.narrowest_radius_squared();
     let radius_px = squared.map_or(f64::NAN, |squared| {
@@ -206,10 +207,10 @@ fn most_shrunk(
     });
     let upright = [min.x, max.x].into_iter().flat_map(move |x| {
         let half = half_chord_px(radius_px, x - principal.x);
-        [principal.y - half, principal.y + half].map(|y| ImagePoint::new(x, y))
+        [-half, half].map(|y| ImagePoint::new(x, principal.y + y * lens.pixel_aspect))
     });
     let level = [min.y, max.y].into_iter().flat_map(move |y| {
-        let half = half_chord_px(radius_px, y - principal.y);
+        let half = half_chord_px(radius_px, (y - principal.y) / lens.pixel_aspect);
         [principal.x - half, principal.x + half].map(|x| ImagePoint::new(x, y))
     });
     upright

@@ -36,9 +36,10 @@ impl<'a> Flattener<'a> {
         tolerance_px: f64,
     ) -> Self {
         // d(tan θ) = (1 + r²) dθ in the radial direction, times the largest slope of the distortion
-        // up to the window's largest radius.
+        // up to the window's largest radius, in the direction in which pixels are denser.
         let radius_squared = window.ideal_radius * window.ideal_radius;
-        let stretch = camera.lens().greatest_slope(radius_squared);
+        let lens = camera.lens();
+        let stretch = lens.greatest_slope(radius_squared) * lens.pixel_aspect.max(1.0);
         Self {
             field,
             window,

@@ -91,7 +91,8 @@ impl Pen<'_> {
         // which gives n.
         let (lens, radius) = (self.camera.lens(), start.norm().max(end.norm()));
         let curvature = radius * (6.0 * lens.k1.abs() + 20.0 * lens.k2.abs() * radius * radius);
-        let bend_px = curvature * self.camera.ptz().focal_px / 8.0 * (end - start).norm_squared();
+        let focal_px = self.camera.ptz().focal_px * lens.pixel_aspect.max(1.0);
+        let bend_px = curvature * focal_px / 8.0 * (end - start).norm_squared();
         let steps = (bend_px / self.tolerance_px)
             .sqrt()
             .ceil()

@@ -149,7 +149,7 @@ fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
             // A point beyond the fold has no ray: move it towards the principal point to just
             // inside.
             let shrink = if fold.is_finite() {
-                (fold_px / offset.norm()).min(1.0)
+                (fold_px / camera.lens().square_from_pixels(offset).norm()).min(1.0)
             } else {
                 1.0
             };

@@ -114,12 +114,12 @@ fn transfer(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec
         .principal_point
         .offset_from(estimate.base().principal_point);
     // Homogeneous, without a division by the depth, which may be zero.
-    let offset_px = in_cam.xy() * truth.ptz().focal_px + apart * in_cam.z;
-    let (x, y) = (
-        offset_px.x / estimate.ptz().focal_px,
-        offset_px.y / estimate.ptz().focal_px,
-    );
-    let direction = estimate.cam_from_world().transpose() * Vec3::new(x, y, in_cam.z);
+    let offset_px = truth
+        .lens()
+        .pixels_from_square(in_cam.xy() * truth.ptz().focal_px)
+        + apart * in_cam.z;
+    let seen = estimate.lens().square_from_pixels(offset_px) / estimate.ptz().focal_px;
+    let direction = estimate.cam_from_world().transpose() * Vec3::new(seen.x, seen.y, in_cam.z);
     let position = estimate.base().position_m;
     // Depths keep their sign, so a point behind both cameras is mapped as correctly as one in
     // front.

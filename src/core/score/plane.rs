@@ -45,29 +45,16 @@ impl PlaneView {
 
     /// The view of a camera without its distortion.
     pub fn from_camera(camera: &PtzCamera, size: ImageSize) -> Option<Self> {
-        let (base, focal_px) = (camera.base(), camera.ptz().focal_px);
-        let principal = base.principal_point;
-        let image_from_cam = Mat3::new(
-            focal_px,
-            0.0,
-            principal.x,
-            0.0,
-            focal_px,
-            principal.y,
-            0.0,
-            0.0,
-            1.0,
-        );
         // On the plane z = 0 the third column of [R | −R C] drops out (Hartley and Zisserman,
         // Multiple View Geometry, section 8.1).
         let rotation = camera.cam_from_world();
-        let at_origin = -(rotation * base.position_m);
+        let at_origin = -(rotation * camera.base().position_m);
         let cam_from_ground = Mat3::from_columns(&[
             rotation.column(0).into(),
             rotation.column(1).into(),
             at_origin,
         ]);
-        Self::new(&(image_from_cam * cam_from_ground), size)
+        Self::new(&(camera.calibration_matrix() * cam_from_ground), size)
     }
 
     /// Projects a ground point into the picture, px. None beyond the horizon.

@@ -152,8 +152,13 @@ fn a_few_frames_state_the_lean_of_a_camera_at_any_place() {
     assert!((0.7..1.3).contains(&all), "{all:.2} of {zs:?}");
 }
 
-/// The estimate of some frames of a main stand whose pictures were scaled down the picture.
-fn estimate_of_scaled(count: usize, down: f64, rng: &mut Pcg64Mcg) -> (BaseEstimate, f64) {
+/// The estimate of some frames of a main stand whose pictures were scaled down the picture, with the
+/// aspect of their pixels as it is stated.
+fn estimate_of_scaled(
+    count: usize,
+    (down, stated): (f64, f64),
+    rng: &mut Pcg64Mcg,
+) -> (BaseEstimate, f64) {
     let field = soccer();
     let base = usual_base(Vec3::from(PLACES[0].position_m), rng);
     let mut frames: Vec<FrameClicks> = std::iter::repeat_with(|| frame(&field, &base, rng))
@@ -168,6 +173,7 @@ fn estimate_of_scaled(count: usize, down: f64, rng: &mut Pcg64Mcg) -> (BaseEstim
     let clicks = CameraClicks {
         image_size: ImageSize::new(SIZE.width, (f64::from(SIZE.height) * down) as u32),
         principal_point: scaled(SIZE.centre()),
+        pixel_aspect: stated,
         ..CameraClicks::with_centred_principal_point(&field, &frames, SIZE)
     };
     let found = estimate_base(&clicks, None, &BaseOptions::default(), &Progress::default());
@@ -179,7 +185,7 @@ fn scaled_pictures_are_told_and_their_base_is_not_sure() {
     let mut rng = seeded::rng("scaled_pictures_are_told_and_their_base_is_not_sure");
     for count in [6, 12, 24] {
         for down in [16.0 / 9.0, 4.0 / 3.0, 0.7556] {
-            let (found, height_m) = estimate_of_scaled(count, down, &mut rng);
+            let (found, height_m) = estimate_of_scaled(count, (down, 1.0), &mut rng);
             let aspect = found.pixel_aspect.unwrap();
             let off_sigmas = (aspect.value - down).abs() / aspect.sigma;
             assert!(off_sigmas < 3.0, "{count} frames, {down:.2}: {aspect:?}");
@@ -191,6 +197,35 @@ fn scaled_pictures_are_told_and_their_base_is_not_sure() {
                 "{off_m} ± {sigma_m} m"
             );
         }
+    }
+}
+
+#[test]
+fn a_stated_aspect_of_the_pixels_gives_the_true_height_and_a_wrong_one_is_told() {
+    let mut rng = seeded::rng("a_stated_aspect_of_the_pixels_gives_the_true_height");
+    for down in [16.0 / 9.0, 0.7556] {
+        let (found, height_m) = estimate_of_scaled(12, (down, down), &mut rng);
+        assert_eq!(found.pixel_aspect, None, "{down:.2}");
+        assert_eq!(found.base.distortion.pixel_aspect, down);
+        let (off_m, sigma_m) = (
+            (found.base.position_m.z - height_m).abs(),
+            found.base.sigma.position_m.z,
+        );
+        assert!(
+            off_m < 3.0 * sigma_m && sigma_m < 1.0,
+            "{off_m} ± {sigma_m} m"
+        );
+        let (found, _) = estimate_of_scaled(12, (1.0, 1.0 / down), &mut rng);
+        let aspect = found.pixel_aspect.unwrap();
+        assert_eq!(aspect.stated, 1.0 / down);
+        assert!(
+            (aspect.value - 1.0).abs() < 3.0 * aspect.sigma,
+            "{aspect:?}"
+        );
+        assert!(
+            aspect.to_string().contains("Correct pixel_aspect"),
+            "{aspect}"
+        );
     }
 }
 

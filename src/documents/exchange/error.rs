@@ -1,6 +1,7 @@
 //! Errors of imports and exports.
 
 use super::format::Format;
+use super::format_options::{Direction, FormatOption};
 use crate::document::{OtherPictures, hint_for_missing};
 use std::ffi::OsStr;
 use std::io;
@@ -350,10 +351,19 @@ pub enum ExchangeError {
         other: &'static str,
     },
     /// Labels without a meaning on the field.
-    #[error("unknown labels {labels}; give a --map file with them, or --skip-unmapped")]
+    #[error(
+        "unknown labels {labels}; {}",
+        if format.takes(FormatOption::Map, Direction::Import) {
+            "give a --map file with them, or --skip-unmapped".to_owned()
+        } else {
+            format!("{format} has fixed names: correct these in the files, or take them out there")
+        }
+    )]
     Unmapped {
         /// The labels with how often each occurs.
         labels: String,
+        /// The format that has them.
+        format: Format,
     },
 }
 
@@ -439,19 +449,16 @@ pub enum Problem {
         /// Its distance from a rotation; not finite for a reflection or NaN.
         distance: f64,
     },
-    /// A calibration matrix of pixels that are not square.
+    /// A calibration matrix with a skew, which no camera of a document has.
     #[error(
-        "focal lengths of {} and {} px with a skew of {} px: the nearest square pixels are \
-         {off_px:.2} px off; up to 0.5 % and \
-         0.1 px are taken; resample the picture to square pixels",
-        number_text(focal_px[0]), number_text(focal_px[1]), number_text(*skew_px)
+        "a skew of {} px: without it the picture is {off_px:.2} px off; up to 0.1 px is taken; \
+         resample the picture to upright pixels",
+        number_text(*skew_px)
     )]
-    NotSquare {
-        /// fx and fy.
-        focal_px: [f64; 2],
+    Skew {
         /// The skew.
         skew_px: f64,
-        /// How far the nearest camera of square pixels is off at most, px.
+        /// How far the camera without the skew is off at most, px.
         off_px: f64,
     },
     /// A matrix has no inverse.

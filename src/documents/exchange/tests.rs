@@ -65,6 +65,7 @@ pub fn awkward() -> Document {
         value: -0.12,
         per_1000_px: 0.04,
         k2_per_k1_squared: 2.0,
+        ..FocalCurve::NONE
     };
     let base = CameraBase {
         distortion: curve,

@@ -7,4 +7,5 @@
     reason = "a test says what failed by failing"
 )]
 
+mod oblong_pixels;
 mod undo_after_restart;

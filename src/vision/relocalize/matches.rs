@@ -124,7 +124,10 @@ impl RayMatches {
             // The distorted projection, compared with the pixel in normalised coordinates; px² at
             // the end.
             let stretch = lens.stretch(radius_squared);
-            let (dx, dy) = (x * stretch - offset.x, y * stretch - offset.y);
+            let (dx, dy) = (
+                x * stretch - offset.x,
+                y * stretch * lens.pixel_aspect - offset.y,
+            );
             let squared = (dx * dx + dy * dy) * ptz.focal_px * ptz.focal_px;
             if best.is_none_or(|(least, _)| squared < least) {
                 best = Some((squared, ray));

@@ -95,6 +95,8 @@ impl<'a> RayCaster<'a> {
         // In `cam` the direction is (x, y, 1); a step of a pixel changes x and y and not the depth.
         let ideal = self.camera.cam_plane_from_image(point).ok()?;
         let (by_x, by_y) = self.ideal_per_px(ideal);
+        // A pixel that is wide for its height takes a shorter step down than across.
+        let by_y = by_y / self.camera.lens().pixel_aspect;
         let turn = |x: f64, y: f64, z: f64| self.world_from_cam * Vec3::new(x, y, z);
         Some(Ray {
             origin: self.camera.base().position_m,

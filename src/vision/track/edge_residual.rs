@@ -44,7 +44,8 @@ impl View {
         // Implicit differentiation of D(u, k₁) = d: ∂u/∂d = (∂D/∂u)⁻¹ and ∂u/∂k₁ = −(∂D/∂u)⁻¹
         // ∂D/∂k₁. The focal length scales d (∂d/∂ln f = −d) and changes k₁ along the lens curve.
         let ideal_by = radial.by_ideal(ideal).try_inverse()?;
-        let by_k1 = -(ideal_by * ideal) * lens.stretch_by_k1(self.focal_px, radius_squared);
+        let by_k1 = -(ideal_by * radial.pixels_from_square(ideal))
+            * lens.stretch_by_k1(self.focal_px, radius_squared);
         let by_log_focal = -(ideal_by * distorted) + by_k1 * (lens.slope_per_px() * self.focal_px);
         // Normalise v = (u, 1). A change of v moves the unit direction by (I − v̂ v̂ᵀ) / |v|; the
         // third component of v is constant, so two columns remain.
@@ -199,6 +200,7 @@ mod tests {
             at_focal_px: 2000.0,
             value: -0.07,
             per_1000_px: 0.21,
+            pixel_aspect: 0.8,
             ..FocalCurve::NONE
         };
         let at = ImagePoint::new(1700.0, 130.0);
@@ -250,6 +252,7 @@ mod tests {
             at_focal_px: 2000.0,
             value: -0.07,
             per_1000_px: 0.21,
+            pixel_aspect: 0.8,
             ..FocalCurve::NONE
         };
         let at = [

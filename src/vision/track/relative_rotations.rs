@@ -38,6 +38,7 @@ impl TurnOptions {
             principal_point: lens.principal_point,
             ..Self::default()
         };
+        options.lens.pixel_aspect = lens.pixel_aspect.unwrap_or(1.0);
         if let Some(radial) = lens.radial {
             let px = image_size.scale_from_1920();
             (options.lens.value, options.k1_sigma) = radial.k1_at(options.lens.at_focal_px * px);
@@ -112,7 +113,7 @@ pub fn adjust_rotations(
     // A spanning tree of the view graph reaches every frame; otherwise the frames are not
     // connected.
     let principal_point = options.principal_point.unwrap_or(image_size.centre());
-    let along = steps(count, edges, principal_point);
+    let along = steps(count, edges, (principal_point, options.lens.pixel_aspect));
     if count < 2 || along.len() < count {
         return Err(TrackError::TooFew {
             frames: count,
@@ -327,7 +328,7 @@ mod tests {
         let adjust = |stated: Option<ImagePoint>| {
             let lens = StatedLens {
                 principal_point: stated,
-                radial: None,
+                ..StatedLens::default()
             };
             adjust_rotations(
                 6,
@@ -349,6 +350,24 @@ mod tests {
             "{without:?} in place of {} px",
             found.residual_px
         );
+    }
+
+    #[test]
+    fn pictures_with_pixels_that_are_not_square_turn_with_their_stated_aspect() {
+        let mut truth = truth();
+        truth.lens.pixel_aspect = 0.75;
+        let edges = edges(&truth, 0.0);
+        let lens = StatedLens {
+            pixel_aspect: Some(0.75),
+            ..StatedLens::default()
+        };
+        let options = TurnOptions::with_lens(&lens, SIZE);
+        let found = adjust_rotations(6, &edges, SIZE, &options).unwrap();
+        assert_eq!(found.lens.pixel_aspect, 0.75);
+        for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
+            let off = (found.focal_px / exact.focal_px - 1.0).abs();
+            assert!(off < 0.01, "{found:?} for {exact:?}");
+        }
     }
 
     #[test]

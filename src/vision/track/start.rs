@@ -19,7 +19,34 @@ pub(super) struct Step {
 /// A maximum spanning tree of the view graph by number of inliers (Prim's algorithm), in the order
 /// in which frames are reached. The root is the frame with the most inliers and is its own first
 /// step. Frames that are not connected to it are missing.
-pub(super) fn steps(count: usize, edges: &[ViewGraphEdge], centre: ImagePoint) -> Vec<Step> {
+pub(super) fn steps(
+    count: usize,
+    edges: &[ViewGraphEdge],
+    (centre, pixel_aspect): (ImagePoint, f64),
+) -> Vec<Step> {
+    // From square pixels about the centre to those of the picture.
+    let pixels = Mat3::new(
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        pixel_aspect,
+        centre.y * (1.0 - pixel_aspect),
+        0.0,
+        0.0,
+        1.0,
+    );
+    let square = Mat3::new(
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0 / pixel_aspect,
+        centre.y * (1.0 - 1.0 / pixel_aspect),
+        0.0,
+        0.0,
+        1.0,
+    );
     // Root: the frame with the most inliers in total, the first of equals.
     let mut strength = vec![0_usize; count];
     for edge in edges {
@@ -60,6 +87,11 @@ pub(super) fn steps(count: usize, edges: &[ViewGraphEdge], centre: ImagePoint) -
             edge.second_from_first
                 .try_inverse()
                 .unwrap_or_else(Mat3::identity)
+        };
+        let to_from = if pixel_aspect == 1.0 {
+            to_from
+        } else {
+            square * to_from * pixels
         };
         let zoom = zoom_and_turn(&to_from, centre).map_or(1.0, |(zoom, _)| zoom);
         steps.push(Step {

@@ -118,6 +118,7 @@ impl Draw {
             value: self.normal(priors.k1.0, priors.k1.1),
             per_1000_px: self.normal(priors.k1_slope.0, priors.k1_slope.1),
             k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
+            ..FocalCurve::NONE
         };
         let base = CameraBase::new(
             position_m,

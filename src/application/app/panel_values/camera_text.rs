@@ -59,18 +59,7 @@ impl CameraText {
         let axis = |unit: Vec3| camera.cam_from_world_point(unit) - translation_m;
         // The columns of the rotation are the axes of the world in the camera's frame.
         let rotation = Mat3::from_columns(&[axis(Vec3::x()), axis(Vec3::y()), axis(Vec3::z())]);
-        let centre = camera.base().principal_point;
-        let k = Mat3::new(
-            ptz.focal_px,
-            0.0,
-            centre.x,
-            0.0,
-            ptz.focal_px,
-            centre.y,
-            0.0,
-            0.0,
-            1.0,
-        );
+        let k = camera.calibration_matrix();
         let value = match self {
             Self::Ptz => json!({
                 "pan_deg": ptz.pan.degrees(), "tilt_deg": ptz.tilt.degrees(), "focal_px": ptz.focal_px,

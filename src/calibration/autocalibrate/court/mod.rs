@@ -352,6 +352,7 @@ fn adjust(
         frames,
         image_size: size,
         principal_point: base.principal_point,
+        pixel_aspect: base.distortion.pixel_aspect,
         own_cameras: &[],
     };
     let model = BaseModel {

@@ -145,7 +145,7 @@ fn cameras_on_lines(shown: &ShownLines<'_>) -> Vec<PtzCamera> {
         }
     }
     let adjust = |pose: &PlanePose| {
-        let mut camera = pose.camera(shown.principal_point());
+        let mut camera = pose.camera(shown.principal_point(), shown.lens.without_distortion());
         for _ in 0..ROUNDS_ON_LINES {
             let agreement = shown.compare(&pose_of(&camera))?;
             let places = shown.observations(&agreement);

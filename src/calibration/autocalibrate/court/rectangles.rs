@@ -8,6 +8,7 @@ use super::grid::Grid;
 use super::may_stand_at;
 use super::shown_lines::ShownLines;
 use rayon::prelude::*;
+use touchline_core::camera::Radial;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use touchline_core::solve::PlanePose;
@@ -45,7 +46,8 @@ pub fn cameras_of_rectangles<T: Send>(
     shown: &ShownLines<'_>,
     score_of: impl Fn(&PlanePose) -> Option<T> + Sync,
 ) -> Vec<(PlanePose, T)> {
-    let (lines, principal_point) = (shown.lines, shown.principal_point());
+    let lines = shown.lines;
+    let centre = (shown.principal_point(), shown.lens.pixels());
     let (field, rectangles) = (shown.field, field_rectangles(shown.grid));
     let unit_px = shown.size.reference_width_px();
     let pairs: Vec<[usize; 2]> = (0..lines.len())
@@ -60,7 +62,7 @@ pub fn cameras_of_rectangles<T: Send>(
                 .filter(move |across| across.iter().all(|line| !along.contains(line)))
                 .filter_map(move |across| {
                     let of = |pair: [usize; 2]| pair.map(|line| &lines[line]);
-                    PictureRectangle::new(of(along), of(*across), principal_point, unit_px)
+                    PictureRectangle::new(of(along), of(*across), centre, unit_px)
                 })
                 .flat_map(move |picture| {
                     rectangles.iter().filter_map(move |rectangle| {
@@ -106,14 +108,15 @@ impl PictureRectangle {
     fn new(
         along: [&StraightLine; 2],
         across: [&StraightLine; 2],
-        principal_point: ImagePoint,
+        (principal_point, pixels): (ImagePoint, Radial),
         unit_px: f64,
     ) -> Option<Self> {
         // The crossing of each line along with each across: u runs along, v across.
         let mut corners = [[Vec2::zeros(); 2]; 2];
         for (v, along) in along.into_iter().enumerate() {
             for (u, across) in across.into_iter().enumerate() {
-                let corner = crossing(along, across)?.offset_from(principal_point) / unit_px;
+                let offset = crossing(along, across)?.offset_from(principal_point);
+                let corner = pixels.square_from_pixels(offset) / unit_px;
                 if corner.norm() > MAX_OUTSIDE_WIDTHS {
                     return None;
                 }

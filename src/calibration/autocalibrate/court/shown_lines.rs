@@ -162,6 +162,7 @@ impl ShownLines<'_> {
     /// The point of the ground that a camera shows at a point of the picture, `world`, m.
     fn on_ground(&self, camera: &PlanePose, at: ImagePoint) -> Option<Vec3> {
         let offset = at.offset_from(self.principal_point()) / camera.focal_px;
+        let offset = self.lens.pixels().square_from_pixels(offset);
         let ray = camera.cam_from_world.transpose() * Vec3::new(offset.x, offset.y, 1.0);
         let down = camera.position_m.z / -ray.z;
         (ray.z < 0.0).then(|| camera.position_m + ray * down)
@@ -234,6 +235,7 @@ impl ShownLines<'_> {
         }
         let image = |at: Vec3| {
             let offset = at.xy() * (camera.focal_px / at.z);
+            let offset = self.lens.pixels().pixels_from_square(offset);
             self.principal_point().translate(offset)
         };
         clip([image(from), image(to)], self.size)

@@ -187,7 +187,7 @@ pub(super) fn starting(
     // bases.
     let at_focal_px = LENS_FOCAL_PX * image_size.scale_from_1920();
     let value = start.distortion.at(at_focal_px);
-    // What the model does not have starts, and stays, at zero.
+    // What the model does not have starts, and stays, at zero. The pixels' aspect is given.
     let distortion = match model.lens {
         LensModel::Pinhole => FocalCurve {
             at_focal_px,
@@ -207,8 +207,10 @@ pub(super) fn starting(
             } else {
                 0.0
             },
+            ..FocalCurve::NONE
         },
-    };
+    }
+    .with_pixel_aspect(start.distortion.pixel_aspect);
     let height_m = model.crown.fixed_height_m().unwrap_or(field.crown_m);
     Shared::new(
         &CameraBase {

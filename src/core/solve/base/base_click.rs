@@ -192,6 +192,7 @@ mod tests {
                 value: -0.05,
                 per_1000_px: 0.2,
                 k2_per_k1_squared: 1.5,
+                ..FocalCurve::NONE
             },
             ..turned_base(
                 [3.0, -62.0, 17.0],

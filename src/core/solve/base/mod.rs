@@ -139,6 +139,8 @@ pub struct CameraClicks<'a> {
     pub image_size: ImageSize,
     /// Where the optical axis meets the picture, px.
     pub principal_point: ImagePoint,
+    /// The aspect of the pixels, fy / fx; 1: square.
+    pub pixel_aspect: f64,
     /// Cameras that some frames have by the lines drawn in them, found without a base. The search
     /// starts from these as well.
     pub own_cameras: &'a [PtzCamera],
@@ -156,6 +158,7 @@ impl<'a> CameraClicks<'a> {
             frames,
             image_size,
             principal_point: image_size.centre(),
+            pixel_aspect: 1.0,
             own_cameras: &[],
         }
     }

@@ -9,7 +9,8 @@
 //! The test is a profile of the adjustment's cost over the aspect, fy/fx: for each value the clicks
 //! are put back where they would be with square pixels, and the base is adjusted to them. Where the
 //! cost is clearly least at another aspect than one, the difference of the two bases is an error of
-//! the base that its covariance has to contain.
+//! the base that its covariance has to contain. A stated aspect is what the profile begins with, in
+//! place of one: it is tested alike.
 
 use super::adjust::adjust_base;
 use super::{
@@ -47,26 +48,43 @@ pub struct PixelAspect {
     pub value: f64,
     /// Its 1-σ.
     pub sigma: f64,
+    /// The aspect that is stated, with which the base was estimated; 1 where none is.
+    pub stated: f64,
     /// The size of the pictures.
     #[serde(skip)]
     pub image_size: ImageSize,
 }
 
 impl PixelAspect {
-    /// The deviation from square pixels in sigmas.
+    /// The deviation from the stated aspect in sigmas.
     pub fn sigmas(&self) -> f64 {
-        self.value.ln().abs() * self.value / self.sigma
+        self.deviation() * self.value / self.sigma
     }
 
-    /// Whether the pixels are clearly not square.
+    /// The size of its logarithm over that of the stated one.
+    fn deviation(&self) -> f64 {
+        (self.value / self.stated).ln().abs()
+    }
+
+    /// Whether the pixels are clearly not those that are stated.
     pub(super) fn is_clear(&self) -> bool {
-        self.value.ln().abs() > MIN_DEVIATION && self.sigmas() > CLEAR_SIGMAS
+        self.deviation() > MIN_DEVIATION && self.sigmas() > CLEAR_SIGMAS
     }
 }
 
 impl fmt::Display for PixelAspect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ImageSize { width, height } = self.image_size;
+        if self.stated != 1.0 {
+            return write!(
+                f,
+                "clicks and paint fit pixels that are {:.2} ± {:.2} times as wide as high, where \
+                 pixel_aspect {} is stated for the camera: the camera's height and all heights \
+                 would be wrong by the ratio, and are stated as uncertain. Correct pixel_aspect, \
+                 or check the field's size",
+                self.value, self.sigma, self.stated
+            );
+        }
         let unscaled = (f64::from(width) * self.value).round();
         write!(
             f,
@@ -190,9 +208,11 @@ impl<'a> AspectTest<'a> {
             return None;
         }
         let gain = (square.adjusted.cost - at.adjusted.cost) / at.adjusted.noise_scale;
-        let value = at.log_aspect.exp();
+        let stated = self.clicks.pixel_aspect;
+        let value = stated * at.log_aspect.exp();
         let found = PixelAspect {
             value,
+            stated,
             // The parabola holds near the minimum alone: the whole gain of cost says how far the
             // value is from one, too. The larger of both is the one to trust.
             sigma: value * sigma.max(at.log_aspect.abs() / gain.max(1e-9).sqrt()),
@@ -208,10 +228,11 @@ impl<'a> AspectTest<'a> {
         })
     }
 
-    /// The aspect (logarithm) that usual pictures scaled to this proportion have.
+    /// The aspect (logarithm, over the stated one) that usual pictures scaled to this proportion have.
     fn of_usual_scaled(&self) -> f64 {
         let ImageSize { width, height } = self.clicks.image_size;
-        (USUAL_PROPORTION * f64::from(height) / f64::from(width)).ln()
+        let stated_width = f64::from(width) * self.clicks.pixel_aspect;
+        (USUAL_PROPORTION * f64::from(height) / stated_width).ln()
     }
 
     /// Whether points are among the clicks, not lines alone.

@@ -82,6 +82,7 @@ impl BasePriors {
             value: self.k1.0,
             per_1000_px: self.k1_slope.0 / per_1920,
             k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
+            ..FocalCurve::NONE
         }
     }
 

@@ -255,6 +255,7 @@ impl SharedLens {
                 value,
                 per_1000_px: 1000.0 * per_px,
                 k2_per_k1_squared: k2_per_k1_squared(cameras),
+                pixel_aspect: median_of(cameras, |camera| camera.lens().pixel_aspect)?,
             },
             k1_sigma,
             per_1000_px_sigma: 1000.0 * per_px_sigma,
@@ -441,6 +442,7 @@ mod tests {
             value: -0.02,
             per_1000_px: 0.2,
             k2_per_k1_squared: 2.0,
+            ..FocalCurve::NONE
         };
         let base = CameraBase {
             distortion: lens,

@@ -7,7 +7,7 @@
 //! lowest robust cost wins. Wrong names in some frames therefore do not spoil the start.
 
 use super::{BaseError, CameraClicks, FrameClicks};
-use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high, subsample};
 use crate::solve::initial_cameras::plane_pose::pose_from_plane;
 use crate::solve::refine::squared_sigmas;
@@ -42,10 +42,15 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
         image_size,
         principal_point,
         own_cameras,
+        pixel_aspect,
         ..
     } = *clicks;
+    let pinhole = FocalCurve::NONE.with_pixel_aspect(pixel_aspect);
     // Position and x axis (`world`) of each frame's own camera.
-    let ground: Vec<Vec<(Vec2, ImagePoint)>> = frames.iter().map(ground_landmarks).collect();
+    let ground: Vec<Vec<(Vec2, ImagePoint)>> = frames
+        .iter()
+        .map(|frame| ground_landmarks(frame, &pinhole, principal_point))
+        .collect();
     let most_landmarks = ground.iter().map(Vec::len).max().unwrap_or(0);
     let by_landmarks = ground.iter().filter_map(|ground| {
         let pose = pose_from_plane(ground, principal_point).ok()?;
@@ -91,9 +96,11 @@ pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
     let mut best: Option<(f64, CameraBase)> = None;
     for position_m in positions {
         for rotation in rotations {
-            let base = CameraBase::new(position_m, rotation, principal_point)
-                .in_pan_gauge()
-                .0;
+            let base = CameraBase {
+                distortion: pinhole,
+                ..CameraBase::new(position_m, rotation, principal_point)
+            };
+            let base = base.in_pan_gauge().0;
             let cost: f64 = sample
                 .iter()
                 .map(|frame| frame_cost(&base, frame, image_size))
@@ -146,8 +153,13 @@ fn frame_cost(base: &CameraBase, frame: &FrameClicks, image_size: ImageSize) -> 
         .sum()
 }
 
-/// The ground landmarks of a frame: x and y in `world`, m, and the pixel.
-fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
+/// The ground landmarks of a frame: x and y in `world`, m, and the pixel where it would be if the
+/// pixels behind the lens were square.
+fn ground_landmarks(
+    frame: &FrameClicks,
+    lens: &FocalCurve,
+    principal_point: ImagePoint,
+) -> Vec<(Vec2, ImagePoint)> {
     /// Maximum height of ground above z = 0: a crowned pitch counts as flat here, m.
     const GROUND_M: f64 = 0.4;
     frame
@@ -157,7 +169,7 @@ fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
                 .shape
                 .point()
                 .filter(|at| at.z.abs() < GROUND_M)
-                .map(|at| (at.xy(), click.image))
+                .map(|at| (at.xy(), lens.square_point(click.image, principal_point)))
         })
         .collect()
 }

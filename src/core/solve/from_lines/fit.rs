@@ -63,7 +63,9 @@ pub(super) fn starting_state(
     let usual = options.priors.of_base(picture);
     let stated = picture.lens.radial.map(|radial| radial.curve);
     let base = CameraBase {
-        distortion: stated.unwrap_or(usual.usual_lens(picture.image_size)),
+        distortion: stated
+            .unwrap_or(usual.usual_lens(picture.image_size))
+            .with_pixel_aspect(picture.lens.pixel_aspect.unwrap_or(1.0)),
         ..start.base
     };
     let height_m = options

@@ -8,7 +8,7 @@
 //! are then point pairs, and [`pose_from_plane`] splits them into focal length, rotation and
 //! position.
 
-use crate::camera::PtzCamera;
+use crate::camera::{FocalCurve, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, only_null_vector};
 use crate::solve::initial_cameras::plane_pose::pose_from_plane;
 use crate::solve::observations::drawn_line::DrawnLine;
@@ -26,7 +26,7 @@ const MIN_LINES: usize = 4;
 pub(super) fn camera_from_ground_lines(
     lines: &[DrawnLine],
     size: ImageSize,
-    principal_point: ImagePoint,
+    (principal_point, pinhole): (ImagePoint, FocalCurve),
 ) -> Option<PtzCamera> {
     let ground: Vec<(Vec3, &DrawnLine)> = lines
         .iter()
@@ -48,7 +48,11 @@ pub(super) fn camera_from_ground_lines(
         // In the new unit the line's distance from the origin shrinks, its direction does not.
         let of_field = Vec3::new(of_field.x, of_field.y, of_field.z / unit_m);
         for point in &line.points {
-            let pixel = pixel_in_units(*point, principal_point, half_width_px);
+            let pixel = pixel_in_units(
+                pinhole.square_point(*point, principal_point),
+                principal_point,
+                half_width_px,
+            );
             // ℓᵀ G p = Σ ℓ_i G_ij p_j: the coefficients are the products, in nalgebra's order of
             // columns, in which G is read back below.
             let products = of_field * pixel.transpose();
@@ -65,14 +69,15 @@ pub(super) fn camera_from_ground_lines(
         .iter()
         .flat_map(|(_, line)| &line.points)
         .map(|point| {
+            let point = pinhole.square_point(*point, principal_point);
             let on_ground =
-                ground_from_image * pixel_in_units(*point, principal_point, half_width_px);
-            (on_ground.xy() / on_ground.z * unit_m, *point)
+                ground_from_image * pixel_in_units(point, principal_point, half_width_px);
+            (on_ground.xy() / on_ground.z * unit_m, point)
         })
         .filter(|(ground, _)| ground.iter().all(|x| x.is_finite()))
         .collect();
     let pose = pose_from_plane(&pairs, principal_point).ok()?;
-    (pose.position_m.z > 0.0).then(|| pose.camera(principal_point))
+    (pose.position_m.z > 0.0).then(|| pose.camera(principal_point, pinhole))
 }
 
 /// A pixel from the middle of the picture in halves of its width, homogeneous.
@@ -121,7 +126,11 @@ mod tests {
                         .push(Observation::from_line(&field, name, pixel, SIZE, click).unwrap());
                 }
             }
-            camera_from_ground_lines(&DrawnLine::group(&observations), SIZE, SIZE.centre())
+            camera_from_ground_lines(
+                &DrawnLine::group(&observations),
+                SIZE,
+                (SIZE.centre(), FocalCurve::NONE),
+            )
         };
         let area = ["near", "far", "front"].map(|side| format!("penalty_area_right_{side}"));
         let [near, far, front] = area.each_ref().map(String::as_str);

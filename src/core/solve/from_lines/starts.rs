@@ -56,7 +56,9 @@ pub(super) fn find_starts(
         place: priors.place(picture.field),
         focal: priors.focal(picture.image_size),
     };
-    let mut starts: Vec<Start> = camera_from_ground_lines(lines, picture.image_size, centre)
+    let pinhole = picture.lens.without_distortion();
+    let by_lines = camera_from_ground_lines(lines, picture.image_size, (centre, pinhole));
+    let mut starts: Vec<Start> = by_lines
         .map(|camera| ranking.rank(camera.base(), camera.ptz()))
         .into_iter()
         .collect();
@@ -71,7 +73,10 @@ pub(super) fn find_starts(
     for position_m in places {
         // A level head in the pan gauge: the fit finds how it leans.
         let level = BaseAngles::default().base_from_world();
-        let base = CameraBase::new(position_m, level, centre);
+        let base = CameraBase {
+            distortion: pinhole,
+            ..CameraBase::new(position_m, level, centre)
+        };
         let cameras = pairs.iter().filter_map(|pair| solve_pair(&base, pair));
         let ranked = cameras.flat_map(|found| found.iter().map(|ptz| ranking.rank(&base, ptz)));
         starts.extend(ranked.min_by(|a, b| a.cost.total_cmp(&b.cost)));

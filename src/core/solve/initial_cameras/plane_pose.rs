@@ -7,7 +7,7 @@
 //! This closed form does not minimise the reprojection errors: a homography has eight degrees of
 //! freedom, such a camera seven. [`PlanePose::refine`] minimises them.
 
-use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, q_pan, q_tilt, skew};
 use crate::geometry::{HomographyError, ImagePoint, Mat3, Vec2, Vec3, homography};
 use crate::solve::Loss;
@@ -51,17 +51,17 @@ pub enum PlanePoseError {
 }
 
 impl PlanePose {
-    /// The camera with a base in the pan gauge; its roll is the base's.
-    pub fn camera(&self, principal_point: ImagePoint) -> PtzCamera {
+    /// The camera with a base in the pan gauge and a lens; its roll is the base's.
+    pub fn camera(&self, principal_point: ImagePoint, lens: FocalCurve) -> PtzCamera {
         // cam_from_world = Q_tilt Q_pan base_from_world: heading and pitch of the camera become pan
         // and tilt, and the base is what they leave.
         let looks = BaseAngles::from_base_from_world(&self.cam_from_world);
         let cam_from_base = q_tilt(looks.pitch) * q_pan(looks.heading);
-        let base = CameraBase::new(
-            self.position_m,
-            cam_from_base.transpose() * self.cam_from_world,
-            principal_point,
-        );
+        let rotation = cam_from_base.transpose() * self.cam_from_world;
+        let base = CameraBase {
+            distortion: lens,
+            ..CameraBase::new(self.position_m, rotation, principal_point)
+        };
         let ptz = Ptz::new(looks.heading, looks.pitch, self.focal_px);
         PtzCamera::new(base, ptz)
     }

@@ -21,7 +21,7 @@ use super::two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, scan_two_points,
     solve_two_points,
 };
-use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, farthest_pairs, keep_distinct};
 use crate::solve::observations::crossings::find_crossings;
 use crate::solve::observations::drawn_line::DrawnLine;
@@ -157,7 +157,7 @@ fn solve_pair(
 pub(in crate::solve) fn scan_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
     let [one, two] = used else { return Vec::new() };
     match (one.shape.point(), two.shape.point()) {
-        (Some(first), Some(second)) if base.distortion != FocalCurve::NONE => {
+        (Some(first), Some(second)) if !base.distortion.is_pinhole() => {
             scan_two_points(base, [first, second], [one.image, two.image])
         }
         _ => Vec::new(),

@@ -50,7 +50,7 @@
 //! the fold of the lens model, to which no pinhole leads.
 
 use super::one_point::pan_tilt_from_one_ray;
-use crate::camera::{CameraBase, FocalCurve, Ptz, undistort};
+use crate::camera::{CameraBase, Ptz, undistort};
 use crate::geometry::rotation::angle_between_directions;
 use crate::geometry::{ImagePoint, Vec2, Vec3};
 use thiserror::Error;
@@ -131,7 +131,7 @@ pub fn solve_two_points(
     pixels: [ImagePoint; 2],
 ) -> Result<OneOrTwo<Ptz>, TwoPointError> {
     let pair = PointPair::new(base, points_in_world, pixels);
-    let is_pinhole = base.distortion == FocalCurve::NONE;
+    let is_pinhole = base.distortion.is_pinhole();
 
     // Closed form: the roots of the pinhole, each followed to the root of the lens.
     let pinhole_focals = match focal_from_two_rays(pair.offsets_px(), pair.rays_in_base) {
@@ -282,10 +282,11 @@ impl<'a> PointPair<'a> {
         }
     }
 
-    /// The pixels relative to the principal point, still distorted.
+    /// The pixels relative to the principal point as they are with square pixels, still distorted.
     fn offsets_px(&self) -> [Vec2; 2] {
+        let (curve, centre) = (self.base.distortion, self.base.principal_point);
         self.pixels
-            .map(|pixel| pixel.offset_from(self.base.principal_point))
+            .map(|pixel| curve.square_point(pixel, centre).offset_from(centre))
     }
 
     fn no_real_root(&self) -> TwoPointError {
@@ -322,7 +323,8 @@ impl<'a> PointPair<'a> {
 
     /// The pixels undistorted at a focal length; none beyond the fold of the lens model.
     fn undistort_at(&self, focal_px: f64) -> Option<FocalRoot> {
-        let lens = self.base.distortion.radial_at(focal_px);
+        let square = self.base.distortion.with_pixel_aspect(1.0);
+        let lens = square.radial_at(focal_px);
         let [x1, x2] = self.offsets_px();
         Some(FocalRoot {
             focal_px,
@@ -401,9 +403,7 @@ impl<'a> PointPair<'a> {
         const STEPS: u32 = 64;
         /// Distance of the samples beside a fold from it, in log f.
         const FOLD_MARGIN: f64 = 1e-9;
-        let reach_px = self
-            .pixels
-            .map(|pixel| pixel.distance_px(self.base.principal_point));
+        let reach_px = self.offsets_px().map(|offset| offset.norm());
         let farthest_px = reach_px[0].max(reach_px[1]);
         let (from, upto) = ((0.2 * farthest_px).ln(), (50.0 * farthest_px).ln());
 

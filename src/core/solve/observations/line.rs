@@ -177,6 +177,7 @@ impl<'a> CurveProjection<'a> {
         let focal_px = self.camera.ptz().focal_px;
         let first = (ideal1 * stretch + ideal * stretch1) * focal_px;
         let second = (ideal2 * stretch + ideal1 * (2.0 * stretch1) + ideal * stretch2) * focal_px;
+        let [first, second] = [first, second].map(|by_t| lens.pixels_from_square(by_t));
         Some(Nearest {
             parameter: t,
             curve,

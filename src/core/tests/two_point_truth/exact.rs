@@ -47,6 +47,7 @@ fn a_lens_without_a_fold_refuses_no_exact_clicks() {
             value: -0.02,
             per_1000_px: 0.21,
             k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
+            ..FocalCurve::NONE
         };
         let focal_px = rng.random_range(900.0f64.ln()..6000.0f64.ln()).exp();
         let camera = PtzCamera::new(

@@ -143,6 +143,42 @@ pub(in crate::document) mod positive {
     }
 }
 
+/// The aspect of pixels: a number of [`PIXEL_ASPECTS`], 1 where it is left out.
+pub(in crate::document) mod pixel_aspect {
+    use super::*;
+    use touchline_core::camera::PIXEL_ASPECTS;
+
+    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        let value = refuse_others(*value).map_err(S::Error::custom)?;
+        super::number::serialize(&value, serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        refuse_others(f64::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
+
+    fn refuse_others(value: f64) -> Result<f64, String> {
+        if PIXEL_ASPECTS.contains(&value) {
+            Ok(value)
+        } else {
+            Err(format!("must be from 0.25 to 4, fy / fx, not {value}"))
+        }
+    }
+
+    /// What is meant where it is left out.
+    pub const fn square() -> f64 {
+        1.0
+    }
+
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "serde passes fields by reference"
+    )]
+    pub fn is_square(value: &f64) -> bool {
+        *value == 1.0
+    }
+}
+
 /// A length that may be absent and must be positive.
 pub(super) mod optional_positive {
     use super::*;

@@ -32,6 +32,15 @@ pub struct Camera {
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
     #[serde(rename = "principal_point_px", serialize_with = "finite")]
     pub principal_point: ImagePoint,
+    /// The aspect of the pixels, their width over their height: fy / fx of the calibration matrix;
+    /// absent: 1, square. Focal lengths are fx.
+    #[cfg_attr(feature = "schema", schemars(with = "f64", range(min = 0.25, max = 4)))]
+    #[serde(
+        default = "adapters::pixel_aspect::square",
+        with = "adapters::pixel_aspect",
+        skip_serializing_if = "adapters::pixel_aspect::is_square"
+    )]
+    pub pixel_aspect: f64,
     /// The centre of projection in `world`, m.
     #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     #[serde(
@@ -253,6 +262,7 @@ impl Camera {
             id,
             image_size,
             principal_point: image_size.centre(),
+            pixel_aspect: 1.0,
             position_m: None,
             base_from_world: None,
             distortion: None,
@@ -282,6 +292,7 @@ impl Camera {
         StatedLens {
             principal_point: Some(self.principal_point).filter(|point| *point != centre),
             radial: curve.map(|curve| StatedRadial::new(curve, &sigma)),
+            pixel_aspect: Some(self.pixel_aspect).filter(|aspect| *aspect != 1.0),
         }
     }
 
@@ -294,7 +305,14 @@ impl Camera {
             value: k1.value,
             per_1000_px: k1.per_1000_px,
             k2_per_k1_squared: distortion.k2_per_k1_squared.unwrap_or(0.0),
+            pixel_aspect: self.pixel_aspect,
         })
+    }
+
+    /// The same, and that of a pinhole where the camera has no curve.
+    fn curve_or_pinhole(&self) -> FocalCurve {
+        let pinhole = FocalCurve::NONE.with_pixel_aspect(self.pixel_aspect);
+        self.curve().unwrap_or(pinhole)
     }
 
     /// The base, where position and rotation are known; the rotation is orthogonalised.
@@ -311,7 +329,7 @@ impl Camera {
                 nearest_rotation(&stated)
             },
             principal_point: self.principal_point,
-            distortion: self.curve().unwrap_or(FocalCurve::NONE),
+            distortion: self.curve_or_pinhole(),
             sigma: self.sigma.as_ref().map(BaseSigma::from).unwrap_or_default(),
         })
     }
@@ -332,7 +350,7 @@ impl Camera {
         if self.curve().is_none()
             && let Some(k1) = frame.ptz.as_ref().and_then(|ptz| ptz.k1)
         {
-            base.distortion = FocalCurve::constant(k1);
+            base.distortion = FocalCurve::constant(k1).with_pixel_aspect(self.pixel_aspect);
         }
         Some(base)
     }
@@ -366,7 +384,8 @@ impl Camera {
             self.base_from_world = Some(base.base_from_world);
         }
         self.principal_point = base.principal_point;
-        if self.curve().unwrap_or(FocalCurve::NONE) != base.distortion {
+        self.pixel_aspect = base.distortion.pixel_aspect;
+        if self.curve_or_pinhole() != base.distortion {
             let distortion = self.distortion.get_or_insert_default();
             distortion.k2_per_k1_squared =
                 Some(base.distortion.k2_per_k1_squared).filter(|share| *share != 0.0);

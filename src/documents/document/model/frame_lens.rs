@@ -28,6 +28,14 @@ pub struct FrameLens {
     /// k₂ at this focal length; absent: zero. It counts only beside a k₁ that is not zero.
     #[serde(serialize_with = "finite", skip_serializing_if = "Option::is_none")]
     pub k2: Option<f64>,
+    /// The aspect of the pixels, fy / fx; absent: square, whatever those of the camera are.
+    #[cfg_attr(feature = "schema", schemars(with = "f64", range(min = 0.25, max = 4)))]
+    #[serde(
+        default = "adapters::pixel_aspect::square",
+        with = "adapters::pixel_aspect",
+        skip_serializing_if = "adapters::pixel_aspect::is_square"
+    )]
+    pub pixel_aspect: f64,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -41,35 +49,41 @@ impl FrameLens {
             principal_point,
             k1: nonzero(radial.k1),
             k2: nonzero(radial.k2),
+            pixel_aspect: radial.pixel_aspect,
             extra: Extra::new(),
         }
     }
 
-    /// Its distortion.
+    /// Its distortion and pixels.
     pub fn radial(&self) -> Radial {
         Radial {
             k1: self.k1.unwrap_or(0.0),
             k2: self.k2.unwrap_or(0.0),
+            pixel_aspect: self.pixel_aspect,
         }
+    }
+
+    /// The lens as a curve. It is constant, because the lens is stated for this frame's focal length
+    /// alone. A k₂ without k₁ has no curve and is left out, as the key's description says.
+    fn curve(&self) -> FocalCurve {
+        let pinhole = FocalCurve::NONE.with_pixel_aspect(self.pixel_aspect);
+        FocalCurve::through(self.radial()).unwrap_or(pinhole)
     }
 
     /// The lens as the prior of a search that does not take it for exact.
     pub fn stated_lens(&self) -> StatedLens {
-        let curve = FocalCurve::through(self.radial()).unwrap_or(FocalCurve::NONE);
         StatedLens {
             principal_point: Some(self.principal_point),
-            radial: Some(StatedRadial::new(curve, &BaseSigma::default())),
+            radial: Some(StatedRadial::new(self.curve(), &BaseSigma::default())),
+            pixel_aspect: Some(self.pixel_aspect),
         }
     }
 
     /// A base with this lens and principal point in place of its own, as exact as they are stated.
     pub fn base_with(&self, base: &CameraBase) -> CameraBase {
-        // The curve is constant, because the lens is stated for this frame's focal length alone. A
-        // k₂ without k₁ has no curve and is left out, as the key's description says.
-        let distortion = FocalCurve::through(self.radial()).unwrap_or(FocalCurve::NONE);
         CameraBase {
             principal_point: self.principal_point,
-            distortion,
+            distortion: self.curve(),
             sigma: base.sigma.with_own_k1(0.0).with_own_principal_point(),
             ..*base
         }
@@ -114,7 +128,11 @@ mod tests {
         document.cameras.push(camera.into());
         let mut frame = new_frame("1.jpg", SIZE);
         assert_eq!(document.stated_lens(&frame).radial, Some(radial));
-        let own = Radial { k1: 0.2, k2: 1.5 };
+        let own = Radial {
+            k1: 0.2,
+            k2: 1.5,
+            ..Radial::default()
+        };
         frame.lens = Some(FrameLens::new(3000.0, stated, own));
         let of_frame = document.stated_lens(&frame).radial.unwrap();
         let at_3000 = of_frame.curve.radial_at(3000.0);
@@ -139,7 +157,11 @@ mod tests {
             ..own
         });
         let mut frame = new_frame("1.jpg", SIZE);
-        let radial = Radial { k1: 0.2, k2: 1.5 };
+        let radial = Radial {
+            k1: 0.2,
+            k2: 1.5,
+            ..Radial::default()
+        };
         frame.lens = Some(FrameLens::new(
             3000.0,
             ImagePoint::new(970.0, 520.0),
@@ -158,7 +180,7 @@ mod tests {
         };
         assert_eq!(base.sigma, position_alone);
         for focal_px in [2000.0, 3000.0] {
-            let Radial { k1, k2 } = base.distortion.radial_at(focal_px);
+            let Radial { k1, k2, .. } = base.distortion.radial_at(focal_px);
             assert!(k1 == 0.2 && (k2 - 1.5).abs() < 1e-15, "{k1} {k2}");
         }
         frame.point(
@@ -173,7 +195,11 @@ mod tests {
         let lens = FrameLens::new(
             3000.5,
             ImagePoint::new(970.25, 520.0),
-            Radial { k1: 0.125, k2: 0.0 },
+            Radial {
+                k1: 0.125,
+                k2: 0.0,
+                ..Radial::default()
+            },
         );
         let text = serde_json::to_string(&lens).unwrap();
         assert_eq!(

@@ -62,6 +62,7 @@ impl FramePtz {
         Some(Radial {
             k1: self.k1?,
             k2: self.k2.unwrap_or(0.0),
+            ..Radial::default()
         })
     }
 

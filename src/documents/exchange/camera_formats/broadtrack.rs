@@ -40,8 +40,8 @@ fn to_json(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> Value {
     // SoccerNet's axes and angles.
     let [pan, tilt, roll] = angles_deg(&flip_rotation(&pinhole.cam_from_world));
     let position = flip_point(pinhole.position_m);
-    let (width, unit, Radial { k1, k2 }) =
-        (f64::from(size.width), unit(pinhole, size), pinhole.lens);
+    let Radial { k1, k2, .. } = pinhole.lens;
+    let (width, unit) = (f64::from(size.width), unit(pinhole, size));
     // Readers take the terms that the list has, up to three.
     let coefficients = if k2 == 0.0 {
         vec![k1 * unit]
@@ -114,6 +114,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     pinhole.lens = Radial {
         k1: coefficient(&terms, 0) / unit,
         k2: coefficient(&terms, 1) / (unit * unit),
+        ..Radial::default()
     };
     // Required: the program's own reader stops at a file without it.
     let score = node.key("score")?.number()?;
@@ -153,6 +154,10 @@ impl CameraFormat for BroadTrack {
             file_name_of(frame),
             Pinhole {
                 principal_point: size.centre(),
+                lens: Radial {
+                    pixel_aspect: 1.0,
+                    ..pinhole.lens
+                },
                 ..pinhole
             },
         ))

@@ -6,10 +6,10 @@
 //! is written even if it is empty, because readers silently lose images without it. Clicked
 //! landmarks are written as points with tracks. Source: colmap/colmap, doc/format.rst.
 
+use crate::exchange::cameras::calibration_matrix::{Calibration, WithoutSkew};
 use crate::exchange::cameras::camera_format::{CameraFormat, HeldFrame, WriteContext};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::held::{parts, relative_name};
-use crate::exchange::cameras::square_pixels::{Calibration, SquarePixels};
 use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, text};
@@ -40,7 +40,7 @@ const POINTS: &str = "points3D.txt";
 #[derive(Clone, Copy)]
 struct Lens {
     size: ImageSize,
-    square: SquarePixels,
+    taken: WithoutSkew,
     radial: Radial,
 }
 
@@ -91,12 +91,14 @@ fn read_camera(fields: &[&str]) -> Result<Lens, Problem> {
         let why = "the document's lens has k1 and k2 only";
         return Err(Problem::not_supported("tangential distortion", why));
     }
+    let taken = calibration.without_skew(size)?;
     Ok(Lens {
         size,
-        square: calibration.with_square_pixels(size)?,
+        taken,
         radial: Radial {
             k1: coefficient(rest, 2),
             k2: coefficient(rest, 3),
+            pixel_aspect: taken.pixel_aspect,
         },
     })
 }
@@ -186,7 +188,7 @@ fn read_image(line: &str, cameras: &Lenses) -> Result<FrameCamera, Problem> {
     let lens = cameras.get(&id).ok_or_else(|| unknown_camera(camera))?;
     let Lens {
         size,
-        square,
+        taken,
         radial,
     } = *lens.as_ref().map_err(Clone::clone)?;
     let cam_from_world = *UnitQuaternion::from_quaternion(quaternion)
@@ -196,15 +198,15 @@ fn read_image(line: &str, cameras: &Lenses) -> Result<FrameCamera, Problem> {
     let pinhole = Pinhole {
         cam_from_world,
         position_m: -(cam_from_world.transpose() * Vec3::new(tx, ty, tz)),
-        focal_px: square.focal_px,
-        principal_point: square.principal_point,
+        focal_px: taken.focal_px,
+        principal_point: taken.principal_point,
         lens: radial,
     };
     let name = safe_path(name)?;
     let pinhole = pinhole.validate("the camera")?;
     Ok(FrameCamera {
         image: Some(name.clone()),
-        off_px: square.off_px,
+        off_px: taken.off_px,
         ..FrameCamera::new(&name, Some(size), FrameProjection::Camera(pinhole))
     })
 }
@@ -369,7 +371,18 @@ impl CameraFormat for Colmap {
             };
             let points = points_line(frame, index + 1, context.field, &mut tracks);
             let (id, c, t) = (index + 1, pinhole.principal_point, pinhole.translation());
-            let (f, Radial { k1, k2 }) = (pinhole.focal_px, pinhole.lens);
+            let Radial {
+                k1,
+                k2,
+                pixel_aspect,
+            } = pinhole.lens;
+            // The smaller model wherever it has all numbers: old readers know it.
+            let (model, focal, tangential) = if pixel_aspect == 1.0 {
+                ("RADIAL", pinhole.focal_px.to_string(), "")
+            } else {
+                let fy = pinhole.focal_px * pixel_aspect;
+                ("OPENCV", format!("{} {fy}", pinhole.focal_px), " 0 0")
+            };
             let rotation = Rotation3::from_matrix_unchecked(pinhole.cam_from_world);
             let q = UnitQuaternion::from_rotation_matrix(&rotation);
             // q and −q are the same rotation; write the one with w ≥ 0.
@@ -378,7 +391,7 @@ impl CameraFormat for Colmap {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 cameras,
-                "{id} RADIAL {} {} {f} {} {} {k1} {k2}",
+                "{id} {model} {} {} {focal} {} {} {k1} {k2}{tangential}",
                 size.width, size.height, c.x, c.y
             );
             let _ = writeln!(

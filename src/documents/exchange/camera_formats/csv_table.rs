@@ -65,6 +65,9 @@ const LAST_COLUMNS: [&str; 9] = [
     "visible_area_m",
 ];
 
+/// The last column, which only tables with pixels that are not square have.
+const PIXEL_ASPECT: &str = "pixel_aspect";
+
 /// The nine names of a matrix's entries, by rows.
 fn entries(prefix: &str) -> impl Iterator<Item = String> + '_ {
     (1..=3).flat_map(move |row| (1..=3).map(move |column| format!("{prefix}{row}{column}")))
@@ -99,7 +102,7 @@ fn ground_from_image(pinhole: &Pinhole, size: ImageSize, field: &FieldModel) -> 
     } else {
         fit_image_from_ground(
             &Pinhole {
-                lens: Radial::default(),
+                lens: pinhole.lens.without_distortion(),
                 ..*pinhole
             },
             size,
@@ -236,6 +239,7 @@ fn read_row(row: TableRow<'_>) -> Result<FrameCamera, Problem> {
         lens: Radial {
             k1: row.find("k1")?.unwrap_or(0.0),
             k2: row.find("k2")?.unwrap_or(0.0),
+            pixel_aspect: row.find(PIXEL_ASPECT)?.unwrap_or(1.0),
         },
     };
     let pinhole = pinhole
@@ -322,10 +326,18 @@ impl CameraFormat for Csv {
 
     fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> ExchangeResult<Files> {
         let mut text = String::new();
-        push_row(&header(), &mut text);
+        let is_square = held
+            .iter()
+            .filter_map(FrameCamera::pinhole)
+            .all(|pinhole| pinhole.lens.pixel_aspect == 1.0);
+        let mut columns = header();
+        columns.extend((!is_square).then(|| PIXEL_ASPECT.to_owned()));
+        push_row(&columns, &mut text);
         for frame in held {
             if let Ok((pinhole, size)) = parts(frame) {
-                push_row(&row_of(frame, &pinhole, size, context), &mut text);
+                let mut row = row_of(frame, &pinhole, size, context);
+                row.extend((!is_square).then(|| field(Some(pinhole.lens.pixel_aspect))));
+                push_row(&row, &mut text);
             }
         }
         Ok(Files::one("cameras.csv", text.into_bytes()))

@@ -6,10 +6,10 @@
 //! one's centre. Source: `deepsport-utilities`, `calib3d`.
 
 use super::soccernet::flip_rotation;
+use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::camera_format::CameraFormat;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::into_document::Exactness;
-use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, without_ending};
@@ -41,7 +41,7 @@ fn frame(
     let translation = Vec3::from(node.key("T")?.numbers::<3>()?);
     let lens: [f64; 5] = node.key("kc")?.numbers()?;
     refuse_further_coefficients(&lens[2..])?;
-    let square = Calibration::from_rows(&k.numbers()?, Pixels::Centre)?.with_square_pixels(size)?;
+    let taken = Calibration::from_rows(&k.numbers()?, Pixels::Centre)?.without_skew(size)?;
     // C = −Rᵀ T, cm to m; then from the far left corner with y towards the camera and z down to our
     // world.
     let centre = -(rotation.transpose() * translation) / CM;
@@ -52,16 +52,17 @@ fn frame(
             court.width_m / 2.0 - centre.y,
             -centre.z,
         ),
-        focal_px: square.focal_px,
-        principal_point: square.principal_point,
+        focal_px: taken.focal_px,
+        principal_point: taken.principal_point,
         lens: Radial {
             k1: lens[0],
             k2: lens[1],
+            pixel_aspect: taken.pixel_aspect,
         },
     };
     let shown = FrameProjection::Camera(pinhole.validate("the camera")?);
     Ok(FrameCamera {
-        off_px: square.off_px,
+        off_px: taken.off_px,
         ..FrameCamera::new(name, Some(size), shown)
     })
 }

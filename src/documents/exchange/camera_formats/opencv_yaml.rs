@@ -5,9 +5,9 @@
 //! World and camera axes are ours, metres; pixels count from the first one's centre, so the
 //! principal point is ours − 0.5.
 
+use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::camera_format::{CameraFormat, WriteContext, has_ending};
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::FrameCollector;
 use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem, text};
@@ -55,7 +55,17 @@ fn yaml(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize) -> String {
         "camera_matrix",
         3,
         3,
-        &[f, 0.0, cx, 0.0, f, cy, 0.0, 0.0, 1.0],
+        &[
+            f,
+            0.0,
+            cx,
+            0.0,
+            f * pinhole.lens.pixel_aspect,
+            cy,
+            0.0,
+            0.0,
+            1.0,
+        ],
         &mut text,
     );
     push_matrix(
@@ -226,7 +236,7 @@ fn read_file(
     let mut k = [0.0; 9];
     k.copy_from_slice(values_of(&entries, "camera_matrix", 9)?);
     let size = size_of(&entries, options)?;
-    let square = Calibration::from_rows(&k, Pixels::Centre)?.with_square_pixels(size)?;
+    let taken = Calibration::from_rows(&k, Pixels::Centre)?.without_skew(size)?;
     // OpenCV writes 4, 5, 8, 12 or 14 coefficients, k1 and k2 first; without the entry there is no
     // distortion.
     let lens = entries
@@ -243,16 +253,17 @@ fn read_file(
     let pinhole = Pinhole {
         cam_from_world,
         position_m: -(cam_from_world.transpose() * translation),
-        focal_px: square.focal_px,
-        principal_point: square.principal_point,
+        focal_px: taken.focal_px,
+        principal_point: taken.principal_point,
         lens: Radial {
             k1: coefficient(lens, 0),
             k2: coefficient(lens, 1),
+            pixel_aspect: taken.pixel_aspect,
         },
     };
     let shown = FrameProjection::Camera(pinhole.validate("the camera")?);
     Ok(FrameCamera {
-        off_px: square.off_px,
+        off_px: taken.off_px,
         ..FrameCamera::new(name, Some(size), shown)
     })
 }
@@ -403,11 +414,10 @@ mod tests {
             (
                 swap(
                     "2410.0, 0.0, 959.5, 0.0, 2410.0",
-                    "2410.0, 0.0, 959.5, 0.0, 2390.0",
+                    "2410.0, 3.0, 959.5, 0.0, 2410.0",
                 ),
-                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square \
-                 pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture \
-                 to square pixels",
+                "a skew of 3 px: without it the picture is 0.67 px off; up to 0.1 px is taken; \
+                 resample the picture to upright pixels",
             ),
             (
                 swap("959.5, ", ""),

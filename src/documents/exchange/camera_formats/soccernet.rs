@@ -6,12 +6,12 @@
 //! state the picture size: readers take twice the principal point. Source:
 //! SoccerNet/sn-calibration, `src/camera.py`.
 
+use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::camera_format::{
     CameraFormat, HeldFrame, WriteContext, has_ending, stem_of,
 };
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
 use crate::exchange::cameras::picture_size::SizeSource;
-use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::cameras::unreadable::{FrameCollector, read_frame_files};
 use crate::exchange::error::{ExchangeResult, Problem};
 use crate::exchange::files::{Files, stem, text};
@@ -116,7 +116,7 @@ fn to_json(pinhole: &Pinhole) -> Value {
         "roll_degrees": roll,
         "position_meters": [position.x, position.y, position.z],
         "x_focal_length": pinhole.focal_px,
-        "y_focal_length": pinhole.focal_px,
+        "y_focal_length": pinhole.focal_px * pinhole.lens.pixel_aspect,
         "principal_point": [pinhole.principal_point.x, pinhole.principal_point.y],
         "radial_distortion": [pinhole.lens.k1, pinhole.lens.k2, 0.0, 0.0, 0.0, 0.0],
         "tangential_distortion": [0.0, 0.0],
@@ -153,18 +153,19 @@ pub(super) fn from_json(node: &Node<'_>) -> Result<(Pinhole, f64), Problem> {
     };
     // The files state no size; readers take twice the principal point.
     let size = ImageSize::new((2.0 * x) as u32, (2.0 * y) as u32);
-    let square = calibration.with_square_pixels(size)?;
+    let taken = calibration.without_skew(size)?;
     let pinhole = Pinhole {
         cam_from_world: flip_rotation(&rotation_of(angles)),
         position_m: flip_point(Vec3::from(node.key("position_meters")?.numbers::<3>()?)),
-        focal_px: square.focal_px,
-        principal_point: square.principal_point,
+        focal_px: taken.focal_px,
+        principal_point: taken.principal_point,
         lens: Radial {
             k1: radial[0],
             k2: radial[1],
+            pixel_aspect: taken.pixel_aspect,
         },
     };
-    Ok((pinhole.validate("the camera")?, square.off_px))
+    Ok((pinhole.validate("the camera")?, taken.off_px))
 }
 
 /// Usual aspect ratios (width / height) of pictures.
@@ -635,10 +636,8 @@ mod tests {
                 "x_focal_length is 0, which must be above 0",
             ),
             (
-                with("y_focal_length", json!(2390.0)),
-                "focal lengths of 2410 and 2390 px with a skew of 0 px: the nearest square \
-                 pixels are 3.93 px off; up to 0.5 % and 0.1 px are taken; resample the picture \
-                 to square pixels",
+                with("y_focal_length", json!(241.0)),
+                "fy / fx of the focal lengths 2410 and 241 px is 0.1, which must be 0.25 to 4",
             ),
             (
                 with("radial_distortion", json!([0.1, 0.0, 0.3, 0.0, 0.0, 0.0])),

@@ -49,6 +49,7 @@ impl Take<'_> {
         let follows = self.samples.last().is_some_and(|(last_time, last)| {
             last_time.checked_add(1) == Some(time)
                 && last.principal_point == pinhole.principal_point
+                && last.lens == pinhole.lens
         });
         follows && self.size == size && self.camera == camera
     }
@@ -125,10 +126,16 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
     let per_px = aperture_mm / width;
     // Aperture offsets, mm: positive where the principal point lies left of the middle, or below
     // it.
+    // A pixel that is wide for its height has the less of the aperture's height.
+    let aspect = take
+        .samples
+        .first()
+        .map_or(1.0, |(_, first)| first.lens.pixel_aspect);
+    let down_px = per_px / aspect;
     let offset = take.samples.first().map_or([0.0; 2], |(_, first)| {
         [
             (width / 2.0 - first.principal_point.x) * per_px,
-            (first.principal_point.y - height / 2.0) * per_px,
+            (first.principal_point.y - height / 2.0) * down_px,
         ]
     });
     // Writing to a string cannot fail.
@@ -141,7 +148,7 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
          uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n",
         take.name,
         serde_json::Value::from(take.camera),
-        height * per_px,
+        height * down_px,
         offset[0],
         offset[1],
         take.time_samples(|pinhole| (pinhole.focal_px * per_px).to_string()),
@@ -181,15 +188,17 @@ fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
     })?;
     let size = ImageSize::new(side_px("width", width)?, side_px("height", height)?);
     let mm_per_px = float_attribute(prim, "horizontalAperture")? / width;
+    let mm_down_px = float_attribute(prim, "verticalAperture")? / height;
     let principal_point = ImagePoint::new(
         width / 2.0 - float_attribute(prim, "horizontalApertureOffset")? / mm_per_px,
-        height / 2.0 + float_attribute(prim, "verticalApertureOffset")? / mm_per_px,
+        height / 2.0 + float_attribute(prim, "verticalApertureOffset")? / mm_down_px,
     );
     let take = ReadTake {
         camera,
         size,
         mm_per_px,
         principal_point,
+        pixel_aspect: mm_per_px / mm_down_px,
     };
     // Both lists have a sample a frame. The poses are 16 numbers each, in which only brackets and
     // commas separate them, and the time stands before the first. A missing one gives a frame too
@@ -214,6 +223,7 @@ struct ReadTake {
     size: ImageSize,
     mm_per_px: f64,
     principal_point: ImagePoint,
+    pixel_aspect: f64,
 }
 
 impl ReadTake {
@@ -238,7 +248,10 @@ impl ReadTake {
             position_m: y_up().transpose() * Vec3::new(m[12], m[13], m[14]) / CM,
             focal_px: single("focalLength", length.trim())? / self.mm_per_px,
             principal_point: self.principal_point,
-            lens: Radial::default(),
+            lens: Radial {
+                pixel_aspect: self.pixel_aspect,
+                ..Radial::default()
+            },
         };
         let name = format!("{}@{time}", self.camera);
         Ok(FrameCamera {
@@ -284,7 +297,7 @@ impl CameraFormat for Usda {
             frame,
             format!("{camera}@{time}"),
             Pinhole {
-                lens: Radial::default(),
+                lens: pinhole.lens.without_distortion(),
                 ..pinhole
             },
         ))

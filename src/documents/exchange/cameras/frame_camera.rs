@@ -3,7 +3,7 @@
 
 use crate::document::{FrameStatus, Ground, SolutionSource};
 use nalgebra::Rotation3;
-use touchline_core::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
+use touchline_core::camera::{CameraBase, FocalCurve, PIXEL_ASPECTS, Ptz, PtzCamera, Radial};
 use touchline_core::geometry::rotation::{
     ROTATION_TOLERANCE, distance_from_rotation, nearest_rotation,
 };
@@ -242,6 +242,7 @@ impl Pinhole {
             self.principal_point.y,
             self.lens.k1,
             self.lens.k2,
+            self.lens.pixel_aspect,
         ];
         if !numbers
             .iter()
@@ -253,6 +254,13 @@ impl Pinhole {
         if !(self.focal_px > 0.0) {
             let what = format!("the focal length of {what}");
             return Err(Problem::out_of_range(what, self.focal_px, "above 0"));
+        }
+        if !PIXEL_ASPECTS.contains(&self.lens.pixel_aspect) {
+            return Err(Problem::OutOfRange {
+                what: format!("the pixels' aspect, fy / fx, of {what}"),
+                value: self.lens.pixel_aspect,
+                wanted: "0.25 to 4",
+            });
         }
         if self.position_m.amax() > FARTHEST_M {
             let what = format!("a coordinate of the position of {what}");
@@ -367,7 +375,7 @@ impl Pinhole {
             0.0,
             self.principal_point.x,
             0.0,
-            self.focal_px,
+            self.focal_px * self.lens.pixel_aspect,
             self.principal_point.y,
             0.0,
             0.0,

@@ -95,7 +95,7 @@ pub fn document_of(field: FieldSpec, frames: &[View], exact: Exactness) -> Docum
             let id = CameraId::from(ids.take(name.unwrap_or("main")).as_str());
             let mut camera = Camera::new(id.clone(), *size);
             camera.set_base(&base);
-            if curve == FocalCurve::NONE {
+            if curve.with_pixel_aspect(1.0) == FocalCurve::NONE {
                 camera.distortion = None::<Distortion>;
             }
             document.cameras.push(camera.into());
@@ -389,15 +389,15 @@ fn upright_axis(view: &Pinhole) -> Vec3 {
     upright.normalize()
 }
 
-/// The common lens of all views: one principal point, k₁ linear in the focal length, and k₂ a
+/// The common lens of all views: one principal point, one aspect of the pixels, k₁ linear in the focal length, and k₂ a
 /// constant multiple of k₁². None if no such lens fits all of them.
 fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     // The principal point is compared to rounding, 1e-9 px.
-    let centre = views.first()?.principal_point;
-    if views
-        .iter()
-        .any(|view| view.principal_point.distance_px(centre) >= 1e-9)
-    {
+    let first = views.first()?;
+    if views.iter().any(|view| {
+        view.principal_point.distance_px(first.principal_point) >= 1e-9
+            || (view.lens.pixel_aspect - first.lens.pixel_aspect).abs() > SAME_LENS
+    }) {
         return None;
     }
     let low = views
@@ -424,7 +424,7 @@ fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
         }
     }
     let fits_all = views.iter().all(|view| {
-        let Radial { k1, k2 } = curve.radial_at(view.focal_px);
+        let Radial { k1, k2, .. } = curve.radial_at(view.focal_px);
         (k1 - view.lens.k1).abs() <= SAME_LENS && (k2 - view.lens.k2).abs() <= SAME_LENS
     });
     (fits_all && curve.is_finite()).then_some(curve)

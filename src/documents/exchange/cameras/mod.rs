@@ -6,6 +6,7 @@
 //! one format alone has belongs to that format.
 
 pub mod body_angles;
+pub mod calibration_matrix;
 pub mod camera_format;
 pub mod common_base;
 pub mod frame_camera;
@@ -14,5 +15,4 @@ pub mod held;
 pub mod into_document;
 pub mod one_place;
 pub mod picture_size;
-pub mod square_pixels;
 pub mod unreadable;

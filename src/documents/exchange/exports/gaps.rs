@@ -240,6 +240,7 @@ fn lens_between(before: &Frame, after: &Frame, share: f64, focal_px: f64) -> Opt
         Radial {
             k1: at_share(from_radial.k1, to_radial.k1, share),
             k2: at_share(from_radial.k2, to_radial.k2, share),
+            pixel_aspect: at_share(from_radial.pixel_aspect, to_radial.pixel_aspect, share),
         },
     ))
 }
@@ -512,7 +513,11 @@ mod tests {
         let mut document = gappy();
         for (index, x, k1) in [(1, 950.0, 0.1), (2, 980.0, 0.4)] {
             let focal_px = document.frames[index].ptz.as_ref().unwrap().focal_px;
-            let radial = Radial { k1, k2: 0.0 };
+            let radial = Radial {
+                k1,
+                k2: 0.0,
+                ..Radial::default()
+            };
             let lens = FrameLens::new(focal_px, ImagePoint::new(x, 540.0), radial);
             document.frames[index].lens = Some(lens);
         }

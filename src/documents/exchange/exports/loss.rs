@@ -2,6 +2,7 @@
 
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection};
 use std::fmt;
+use touchline_core::camera::Radial;
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3, pluralise};
 
@@ -229,8 +230,13 @@ fn differences(frame: &FrameCamera, kept: &FrameCamera) -> Vec<&'static str> {
     let off_centre = from.principal_point.distance_px(to.principal_point) > ROUNDING_PX;
     // Entries of a rotation: 1e-9 is far below a pixel at any focal length.
     let turned = (from.cam_from_world - to.cam_from_world).amax() > 1e-9;
+    let in_pixels_of_to = Radial {
+        pixel_aspect: to.lens.pixel_aspect,
+        ..from.lens
+    };
     [
-        (from.lens != to.lens, "lens distortion"),
+        (in_pixels_of_to != to.lens, "lens distortion"),
+        (from.lens != in_pixels_of_to, "pixels that are not square"),
         (off_centre, "the principal point"),
         (turned, "the rotation's roll"),
         (from.focal_px != to.focal_px, "the focal length"),
@@ -291,7 +297,6 @@ mod tests {
     use super::*;
     use crate::exchange::cameras::frame_camera::Pinhole;
     use std::slice::from_ref;
-    use touchline_core::camera::Radial;
     use touchline_core::field::builtin;
     use touchline_core::geometry::Mat3;
 
@@ -313,7 +318,14 @@ mod tests {
     fn frames_that_lose_nothing_do_not_dilute_what_the_others_lose() {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let bare = camera(Radial::default(), 2000.0);
-        let with_lens = camera(Radial { k1: 0.1, k2: 0.0 }, 2000.0);
+        let with_lens = camera(
+            Radial {
+                k1: 0.1,
+                k2: 0.0,
+                ..Radial::default()
+            },
+            2000.0,
+        );
         let alone = loss_between(from_ref(&with_lens), from_ref(&bare), &field).unwrap();
         let both = loss_between(&[with_lens, bare.clone()], &[bare.clone(), bare], &field).unwrap();
         assert_eq!((alone.rms_px, alone.frames), (both.rms_px, both.frames));

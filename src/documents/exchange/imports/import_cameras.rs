@@ -115,7 +115,7 @@ pub fn import_cameras(
     }
     let mut notes = reader.notes();
     let misfits = reader.describe_misfits();
-    notes.extend(square_pixels_note(&frames));
+    notes.extend(nearest_camera_note(&frames));
     notes.extend(under_ground_note(&views));
     notes.extend(remark_notes(&frames));
     notes.extend(camera_format.unread(&files));
@@ -227,8 +227,9 @@ fn under_ground_note(views: &[View]) -> Option<String> {
     ))
 }
 
-/// The note about cameras that are not quite those of the files, whose pixels are not square.
-fn square_pixels_note(frames: &[FrameCamera]) -> Option<String> {
+/// The note about cameras that are not quite those of the files, by a skew or another law of the
+/// lens.
+fn nearest_camera_note(frames: &[FrameCamera]) -> Option<String> {
     let off = frames.iter().filter(|frame| frame.off_px > 0.0);
     let farthest = off.clone().max_by(|a, b| a.off_px.total_cmp(&b.off_px))?;
     let off_px = if farthest.off_px < 1e-3 {
@@ -237,7 +238,7 @@ fn square_pixels_note(frames: &[FrameCamera]) -> Option<String> {
         format!("{:.3}", farthest.off_px)
     };
     Some(format!(
-        "the pixels or the lens of {} are not quite those of a document: the nearest camera is \
+        "the skew or the lens of {} is not quite that of a document: the nearest camera is \
          taken, at most {off_px} px off, in {}",
         pluralise(off.count(), "camera"),
         shorten(&farthest.name)

@@ -119,6 +119,7 @@ pub fn import_clicks(
         if !options.skip_unmapped {
             return Err(ExchangeError::Unmapped {
                 labels: describe_counts(&unmapped),
+                format,
             });
         }
         notes.push(format!(

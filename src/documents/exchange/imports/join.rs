@@ -313,18 +313,21 @@ fn field_of<'a>(camera: &'a Camera, document: &'a Document) -> &'a FieldSpec {
     camera.field.as_ref().unwrap_or(&document.field)
 }
 
-/// The first of `name`, `name-2`, … that no camera has.
+/// The name, if no camera has it, else the first of `main-2`, `main-3`, … that none has; `main-2`
+/// counts on to `main-3`.
 fn free_id(document: &Document, name: &CameraId) -> CameraId {
-    let numbered = (1..).map(|number| {
-        if number == 1 {
-            name.to_string()
-        } else {
-            format!("{name}-{number}")
-        }
-    });
+    let text = name.as_str();
+    let numbered = text
+        .rsplit_once('-')
+        .and_then(|(stem, number)| Some((stem, number.parse::<u32>().ok()?)))
+        .filter(|(stem, number)| *number >= 2 && !stem.is_empty());
+    let (stem, from) = numbered.unwrap_or((text, 1));
     // There are more numbers than cameras, so that one is free.
-    let mut ids = numbered.map(|id| CameraId::from(id.as_str()));
-    ids.find(|id| document.camera(id).is_none())
+    let further = (from.saturating_add(1)..).map(|number| format!("{stem}-{number}"));
+    std::iter::once(text.to_owned())
+        .chain(further)
+        .map(|id| CameraId::from(id.as_str()))
+        .find(|id| document.camera(id).is_none())
         .unwrap_or_else(|| name.clone())
 }
 

@@ -64,7 +64,7 @@ fn soccernet(damage: &mut Damage) {
     damage.swap(
         "oblong-pixels",
         "\"y_focal_length\":",
-        "\"y_focal_length\": 2300, \"was\":",
+        "\"y_focal_length\": 230, \"was\":",
     );
     damage.swap(
         "a-place-of-two",
@@ -275,7 +275,7 @@ fn opencv(damage: &mut Damage) {
     damage.swap("a-key-twice", "tvec", "rvec");
     damage.swap("width-zero", "image_width: 1920", "image_width: 0");
     damage.swap("width-in-words", "image_width: 1920", "image_width: wide");
-    damage.swap("oblong-pixels", "959.5, 0.0, 2410.0", "959.5, 0.0, 2300.0");
+    damage.swap("oblong-pixels", "959.5, 0.0, 2410.0", "959.5, 0.0, 230.0");
     damage.swap("a-number-less", "959.5, ", "");
     damage.swap("yaml-nan", "959.5", ".nan");
     damage.swap("nan", "959.5", "nan");

@@ -232,6 +232,7 @@ impl BaseProblem {
             frames: &self.clicks,
             image_size: self.image_size,
             principal_point: self.principal_point,
+            pixel_aspect: self.lens.pixel_aspect.unwrap_or(1.0),
             own_cameras: &[],
         }
     }
@@ -291,6 +292,7 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
         frames: &frames,
         image_size,
         principal_point,
+        pixel_aspect: camera.pixel_aspect,
         own_cameras: &[],
     };
     // The linear start, then the nonlinear refinement of position, rotation, pan, tilt and focal

@@ -1,7 +1,7 @@
 //! The arrays of a file: frames are read from them and written into them.
 
+use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, KnownLens, Pinhole};
-use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::error::Problem;
 use crate::exchange::options::Pixels;
 use crate::exchange::syntax::npy::Array;
@@ -142,17 +142,18 @@ fn lens_of(
     {
         return Err(Problem::NotFinite("a number of K or k".to_owned()));
     }
-    let square = Calibration::from_rows(rows, Pixels::Centre)?.with_square_pixels(size)?;
+    let taken = Calibration::from_rows(rows, Pixels::Centre)?.without_skew(size)?;
     refuse_further_coefficients(distortion.get(2..).unwrap_or_default())?;
     let lens = KnownLens {
-        focal_px: square.focal_px,
-        principal_point: square.principal_point,
+        focal_px: taken.focal_px,
+        principal_point: taken.principal_point,
         radial: Radial {
             k1: coefficient(distortion, 0),
             k2: coefficient(distortion, 1),
+            pixel_aspect: taken.pixel_aspect,
         },
     };
-    Ok((lens, square.off_px))
+    Ok((lens, taken.off_px))
 }
 
 /// The arrays of some frames.
@@ -181,7 +182,7 @@ pub(super) fn arrays_of(held: &[FrameCamera]) -> Vec<(&'static str, Array)> {
             0.0,
             cx,
             0.0,
-            lens.focal_px,
+            lens.focal_px * lens.radial.pixel_aspect,
             cy,
             0.0,
             0.0,

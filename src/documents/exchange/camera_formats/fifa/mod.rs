@@ -3,7 +3,7 @@
 //!
 //! | array | shape | what it is |
 //! |---|---|---|
-//! | `K` | (n, 3, 3) | f, principal point; square pixels, no skew; pixel centres at whole numbers |
+//! | `K` | (n, 3, 3) | fx, fy, principal point; no skew; pixel centres at whole numbers |
 //! | `k` | (n, 2 or more) | OpenCV's k1, k2, p1, p2, k3 on normalised coordinates; all but k1 and k2 are zero |
 //! | `R` | (1 or n, 3, 3) | camera from world: x right, y down, z ahead in the camera; x along the pitch, y away, z up in the world |
 //! | `t` | (1 or n, 3) | −R C, m; the origin is the pitch's centre on the ground |

@@ -10,7 +10,6 @@ use crate::exchange::cameras::ground_fit::fit_image_from_ground;
 use crate::exchange::cameras::held::parts;
 use crate::exchange::error::Problem;
 use crate::exchange::options::Pixels;
-use touchline_core::camera::Radial;
 use touchline_core::geometry::Mat3;
 
 /// The map from another pixel convention to ours, with the origin at the corner.
@@ -37,7 +36,7 @@ pub(super) fn hold(frame: &FrameCamera, name: String, context: &WriteContext<'_>
     let (pinhole, size) = parts(frame)?;
     // Without distortion and crown the homography is exact: K [r₁ r₂ t]. Else fit it.
     let ideal = Pinhole {
-        lens: Radial::default(),
+        lens: pinhole.lens.without_distortion(),
         ..pinhole
     };
     // The homography is of one picture: the one that is on disk, or the one without distortion that

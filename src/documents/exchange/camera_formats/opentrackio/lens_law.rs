@@ -43,6 +43,8 @@ pub(super) struct Screen {
     pub(super) principal_point: ImagePoint,
     pub(super) mm_per_px: f64,
     pub(super) focal_mm: f64,
+    /// How much wider the lens sees than the sensor has pixels for.
+    pub(super) squeeze: f64,
 }
 
 /// The lens of a document nearest to another law.
@@ -114,6 +116,7 @@ impl BrownConrady {
                 radial: Radial {
                     k1: coefficient(&self.radial, 0) * screen.focal_mm.powi(2),
                     k2: coefficient(&self.radial, 2) * screen.focal_mm.powi(4),
+                    ..Radial::default()
                 },
                 off_px: 0.0,
             };
@@ -135,7 +138,8 @@ impl BrownConrady {
                 f64::from(screen.size.height) * f64::from(row) / f64::from(GRID[1]),
             );
             let from_centre = pixel - Vec2::new(screen.principal_point.x, screen.principal_point.y);
-            let distorted = from_centre * screen.mm_per_px;
+            let wide = Vec2::new(from_centre.x * screen.squeeze, from_centre.y);
+            let distorted = wide * screen.mm_per_px;
             // On normalised coordinates, as ours acts.
             pairs.push((
                 self.undistort(distorted)? / screen.focal_mm,
@@ -155,7 +159,11 @@ impl BrownConrady {
             }
         }
         let k = matrix.try_inverse()? * right;
-        let radial = Radial { k1: k.x, k2: k.y };
+        let radial = Radial {
+            k1: k.x,
+            k2: k.y,
+            ..Radial::default()
+        };
         let off = pairs.iter().map(|(u, distorted)| {
             let r2 = u.norm_squared();
             (u * (1.0 + r2 * (radial.k1 + r2 * radial.k2)) - distorted).norm()
@@ -173,6 +181,7 @@ mod tests {
         size: ImageSize::new(1920, 1080),
         principal_point: ImagePoint::new(960.0, 540.0),
         mm_per_px: 9.6 / 1920.0,
+        squeeze: 1.0,
         focal_mm: 9.6,
     };
 

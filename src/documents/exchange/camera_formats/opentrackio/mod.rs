@@ -103,18 +103,25 @@ impl CameraFormat for OpenTrackIo {
             (rate.per_second() * REPEAT_SECONDS).ceil() as usize
         });
         let mut text = String::new();
-        let mut last: Option<(&Option<String>, ImageSize)> = None;
+        let mut last: Option<(&Option<String>, ImageSize, f64)> = None;
+        let is_squeezed = held
+            .iter()
+            .filter_map(FrameCamera::pinhole)
+            .any(|pinhole| pinhole.lens.pixel_aspect != 1.0);
         for (index, frame) in held.iter().enumerate() {
             let Ok((pinhole, size)) = parts(frame) else {
                 continue;
             };
             let mut sample = sample(frame, &pinhole, size, context);
-            // Another camera, or another size, also begins with its own.
-            if index % every == 0 || last != Some((&frame.camera, size)) {
+            // Another camera, another size, or other pixels also begin with their own.
+            let is_of = Some((&frame.camera, size, pinhole.lens.pixel_aspect));
+            if index % every == 0 || last != is_of {
                 let sensor_mm = context.options.sensor_width_mm.unwrap_or(NOMINAL_MM);
-                sample["static"] = static_part(frame, size, sensor_mm, context.rate_of(frame));
+                let squeeze = is_squeezed.then_some(pinhole.lens.pixel_aspect);
+                let rate = context.rate_of(frame);
+                sample["static"] = static_part(frame, size, sensor_mm, (rate, squeeze));
             }
-            last = Some((&frame.camera, size));
+            last = is_of;
             text.push_str(&sample.to_string());
             text.push('\n');
         }
@@ -498,8 +505,13 @@ mod tests {
         absurd["lens"].as_object_mut().unwrap().remove("distortion");
         assert!(read(&absurd).is_ok(), "as it says");
         let mut squeezed = sample;
-        squeezed["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": 2, "denom": 1 });
-        let said = read(&squeezed).unwrap_err().to_string();
-        assert!(said.contains("the nearest square pixels are"), "{said}");
+        let mut squeezed_by = |num: u32| {
+            squeezed["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": num, "denom": 1 });
+            read(&squeezed)
+        };
+        let pinhole = *squeezed_by(2).unwrap().pinhole().unwrap();
+        assert_eq!((pinhole.focal_px, pinhole.lens.pixel_aspect), (1205.0, 2.0));
+        let said = squeezed_by(5).unwrap_err().to_string();
+        assert!(said.contains("is 5, which must be 0.25 to 4"), "{said}");
     }
 }

@@ -5,8 +5,8 @@ use super::lens_law::{BrownConrady, FittedLens, Screen};
 use super::transforms::BodyPose;
 use super::{INVERSE_MODEL, MODEL, NAME_KEY, NOMINAL_NOTE, OWN_NOTES};
 use crate::exchange::cameras::body_angles::cam_from_world;
+use crate::exchange::cameras::calibration_matrix::Calibration;
 use crate::exchange::cameras::frame_camera::{FrameCamera, FrameProjection, Pinhole};
-use crate::exchange::cameras::square_pixels::Calibration;
 use crate::exchange::error::Problem;
 use crate::exchange::files::base_name;
 use crate::exchange::options::ImportOptions;
@@ -255,21 +255,22 @@ pub(super) fn read_sample(
             principal_point.y + y / mm_per_px,
         );
     }
-    // A squeezed picture has a shorter focal length across. The sensor's height does not count: it is
+    // A squeezed picture has a shorter focal length across: that is the aspect of its pixels. The sensor's height does not count: it is
     // often that of the whole chip, of which the picture is a part.
     let across = focal_mm / mm_per_px / known.squeeze;
-    let square = Calibration {
+    let taken = Calibration {
         fx: across,
         fy: focal_mm / mm_per_px,
         skew: 0.0,
         principal_point,
     };
-    let square = square.with_square_pixels(size)?;
+    let taken = taken.without_skew(size)?;
     let screen = Screen {
         size,
         principal_point,
         mm_per_px,
         focal_mm,
+        squeeze: known.squeeze,
     };
     let body = BodyPose::of_sample(root, &screen, MOST_OFF_PX)?;
     let (radial, off_px) = if options.undistorted {
@@ -282,13 +283,16 @@ pub(super) fn read_sample(
         // projection, lies ahead of the tracked point along the body's y axis.
         cam_from_world: cam_from_world([0.0; 3]) * body.world_from_body.transpose(),
         position_m: body.place_m + body.world_from_body * Vec3::new(0.0, forward, 0.0),
-        focal_px: square.focal_px,
-        principal_point: square.principal_point,
-        lens: radial,
+        focal_px: taken.focal_px,
+        principal_point: taken.principal_point,
+        lens: Radial {
+            pixel_aspect: taken.pixel_aspect,
+            ..radial
+        },
     };
     let shown = FrameProjection::Camera(pinhole.validate("the camera")?);
     Ok(FrameCamera {
-        off_px: off_px + square.off_px + body.off_px,
+        off_px: off_px + taken.off_px + body.off_px,
         ..FrameCamera::new(&name_of_sample(root, index)?, Some(size), shown)
     })
 }

@@ -32,11 +32,33 @@ fn rational(rate: Rate) -> Value {
     json!({ "num": rate.frames, "denom": rate.seconds })
 }
 
+/// The nearest fraction of whole numbers that the schema allows, numerator and denominator, of a
+/// number between 1/4 and 4, by its continued fraction.
+fn nearest_fraction(number: f64) -> [u64; 2] {
+    /// The largest numerator in the schema.
+    const MOST: f64 = 2_147_483_647.0;
+    let ([mut before, mut now], mut rest) = ([[0.0, 1.0], [1.0, 0.0]], number);
+    loop {
+        let whole = rest.floor();
+        let next = [0, 1].map(|part| whole * now[part] + before[part]);
+        if next.iter().any(|part| *part > MOST) {
+            break;
+        }
+        (before, now) = (now, next);
+        if now[0] / now[1] == number {
+            break;
+        }
+        // Exact numbers end above; a rest of 0 that rounding leaves ends with an infinite term.
+        rest = (rest - whole).recip();
+    }
+    now.map(|part| part as u64)
+}
+
 pub(super) fn static_part(
     frame: &FrameCamera,
     size: ImageSize,
     sensor_mm: f64,
-    rate: Option<Rate>,
+    (rate, squeeze): (Option<Rate>, Option<f64>),
 ) -> Value {
     let mut camera = json!({
         "label": frame.camera.as_deref().filter(|label| !label.is_empty()).unwrap_or("main"),
@@ -48,6 +70,10 @@ pub(super) fn static_part(
     });
     if let Some(rate) = rate {
         camera["captureFrameRate"] = rational(rate);
+    }
+    if let Some(squeeze) = squeeze {
+        let [num, denom] = nearest_fraction(squeeze);
+        camera["anamorphicSqueeze"] = json!({ "num": num, "denom": denom });
     }
     json!({ "camera": camera })
 }
@@ -79,11 +105,16 @@ pub(super) fn lens(pinhole: &Pinhole, size: ImageSize, sensor_mm: f64) -> Value 
     let mm_per_px = sensor_mm / f64::from(size.width);
     // Px to mm by the sensor's pixel pitch. The offset is that of the principal point from the
     // picture's middle, positive to the right and down as ours.
+    let Radial {
+        k1,
+        k2,
+        pixel_aspect,
+    } = pinhole.lens;
+    // The stated focal length is that down the picture, where nothing is squeezed.
     let (focal, offset) = (
-        pinhole.focal_px * mm_per_px,
+        pinhole.focal_px * pixel_aspect * mm_per_px,
         pinhole.principal_point.offset_from(size.centre()) * mm_per_px,
     );
-    let Radial { k1, k2 } = pinhole.lens;
     json!({
         "pinholeFocalLength": focal,
         "projectionOffset": { "x": offset.x, "y": offset.y },

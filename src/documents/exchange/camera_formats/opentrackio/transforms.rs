@@ -147,6 +147,7 @@ mod tests {
             principal_point: size.centre(),
             mm_per_px: 9.6 / 1920.0,
             focal_mm: 12.0,
+            squeeze: 1.0,
         }
     }
 

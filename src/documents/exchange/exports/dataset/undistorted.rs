@@ -6,8 +6,8 @@ use touchline_core::camera::{PtzCamera, Radial};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec2};
 use touchline_vision::media::{MediaError, Picture};
 
-/// The picture that the same camera would take without distortion: same size, focal length and
-/// principal point. Pixels that the distorted picture does not show are black.
+/// The picture that the same camera would take without distortion: same size, focal length,
+/// principal point and pixels. Pixels that the distorted picture does not show are black.
 ///
 /// # Errors
 /// The size of the picture cannot be addressed.
@@ -48,12 +48,17 @@ impl DistortedPicture<'_> {
         // Inverse mapping: distort the ideal point of each pixel of the result and sample the
         // picture there. The forward direction of the lens model is closed-form.
         let pixel = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let ideal: Vec2 = pixel.offset_from(self.principal_point) / self.focal_px;
+        let ideal: Vec2 = self
+            .lens
+            .square_from_pixels(pixel.offset_from(self.principal_point))
+            / self.focal_px;
         let radius_squared = ideal.norm_squared();
         if radius_squared >= self.fold_radius_squared {
             return BLACK;
         }
-        let distorted = ideal * self.lens.stretch(radius_squared) * self.focal_px;
+        let distorted = self
+            .lens
+            .pixels_from_square(ideal * self.lens.stretch(radius_squared) * self.focal_px);
         let at = ImagePoint::new(
             self.principal_point.x + distorted.x,
             self.principal_point.y + distorted.y,
@@ -154,6 +159,7 @@ fn undistort_point(point: ImagePoint, camera: &PtzCamera) -> Option<ImagePoint> 
     // The ideal point on the plane at depth 1, drawn with the same focal length and principal
     // point.
     let ideal = camera.cam_plane_from_image(point).ok()? * camera.ptz().focal_px;
+    let ideal = camera.lens().pixels_from_square(ideal);
     let centre = camera.base().principal_point;
     Some(ImagePoint::new(centre.x + ideal.x, centre.y + ideal.y))
 }
@@ -204,7 +210,11 @@ mod tests {
     #[test]
     fn a_lens_of_the_frame_itself_is_taken_off_too() {
         let mut document = awkward();
-        let radial = Radial { k1: -0.2, k2: 0.0 };
+        let radial = Radial {
+            k1: -0.2,
+            k2: 0.0,
+            ..Radial::default()
+        };
         document.frames[3].lens = Some(FrameLens::new(2130.0, SIZE.centre(), radial));
         let plain = undistort_document(&document);
         let camera = plain.ptz_camera(&plain.frames[3]).unwrap();
