@@ -118,7 +118,7 @@ mod tests {
         for index in 0..24 {
             let mut frame = document.frames[index].clone();
             frame.camera = "main".into();
-            frame.clip = Some(Clip::Number(u64::from(index >= 9)));
+            frame.clip = Some(Clip::Number(i64::from(index >= 9)));
             shots.frames.push(frame);
         }
         let others: Vec<usize> = (12..24).step_by(2).collect();

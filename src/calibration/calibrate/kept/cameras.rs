@@ -20,7 +20,7 @@ kept! {
     PixelBox { x, y, width, height }
     PanTilt { pan, tilt }
     Ptz { pan, tilt, focal_px }
-    FocalCurve { at_focal_px, value, per_1000_px, k2_per_k1_squared }
+    FocalCurve { at_focal_px, value, per_1000_px, k2_per_k1_squared, pixel_aspect }
     BaseSigma {
         position_m, rotation, k1, k1_per_1000_px, crown_m, crown_width_m, principal_point_px,
         correlation, size,
@@ -29,7 +29,7 @@ kept! {
     Uncertainty { clicks, by_base, base_root }
     SizeError { sigma_m, still_m, end_m, base_by_m }
     FittedSize { name, assumed_m, value_m, error, is_open }
-    PixelAspect { value, sigma, image_size }
+    PixelAspect { value, sigma, stated, image_size }
     LineCheck {
         predicted, found, bare, offset_px, bias_px, halves_px, unexplained, emptiest, agreement,
         score,

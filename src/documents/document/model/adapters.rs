@@ -150,7 +150,7 @@ pub(in crate::document) mod pixel_aspect {
 
     pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
         let value = refuse_others(*value).map_err(S::Error::custom)?;
-        super::number::serialize(&value, serializer)
+        super::finite(&value, serializer)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
