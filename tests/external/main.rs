@@ -35,7 +35,6 @@ mod real_video;
 mod real_wood;
 mod render_command;
 mod season_of_videos;
-mod stopped_runs;
 #[cfg(feature = "gui")]
 #[path = "../window/mod.rs"]
 mod window;
@@ -69,7 +68,6 @@ fn main() -> ExitCode {
         render_command::TESTS,
         #[cfg(feature = "opencv")]
         season_of_videos::TESTS,
-        stopped_runs::TESTS,
     ];
     #[cfg(feature = "gui")]
     let modules = &[modules, window::TESTS].concat();

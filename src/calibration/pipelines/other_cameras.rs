@@ -123,8 +123,8 @@ mod tests {
         }
         let others: Vec<usize> = (12..24).step_by(2).collect();
         let looked_at = [0, 4, 8];
-        let id = split_off(&mut shots, &"main".into(), &looked_at, &others).unwrap();
-        let of_other = shots.frames.iter().filter(|frame| frame.camera == id);
+        let of_shots = split_off(&mut shots, &"main".into(), &looked_at, &others).unwrap();
+        let of_other = shots.frames.iter().filter(|frame| frame.camera == of_shots);
         assert_eq!(of_other.count(), 15, "frames 9 to 23");
         let third = split_off(&mut document, &id, &others[..0], &others).unwrap();
         assert_eq!(third.as_str(), "main_3");

@@ -2,8 +2,9 @@
 //! lines would lie elsewhere.
 //!
 //! What a camera has seen of a field is right there whatever the field's size is: the base goes
-//! with it. Lines of other parts go another way. A pitch whose middle alone was seen has its ends drawn
-//! half a metre off for each metre that its length is off, and nothing that was seen tells.
+//! with it. Lines of other parts go another way. Where the middle of a pitch alone was seen, its ends
+//! are drawn half a metre off for each metre that its length is off, and nothing that was seen
+//! tells.
 
 use super::shared_parameters::SharedError;
 

@@ -1,7 +1,7 @@
 //! From the text of a season file to its matches.
 //!
-//! The text is read into types that mirror the TOML (`text.rs`), and checked after that: names, paths, fields
-//! and numbers. A mistake is reported with the line in which it stands.
+//! The text is read into types that mirror the TOML (`text.rs`), and checked after that: names,
+//! paths, fields and numbers. A mistake is reported with the line in which it stands.
 
 use super::text::{MatchText, OptionsText, SeasonText, VenueText};
 use super::{Match, Season, SeasonError, SeasonMistake, ShardOptions, is_folder_name};

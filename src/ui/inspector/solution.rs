@@ -212,7 +212,8 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
         }
         if panel.app.current().by_hand && !shown.is_estimated && !frame.clicks.is_empty() {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                if show_button(ui, Button::new("Solve again").small(), "Solve from the points again and discard the numbers set manually.") {
+                let about = "Solve from the points again and discard the numbers set manually.";
+                if show_button(ui, Button::new("Solve again").small(), about) {
                     panel.edit(EditAction::SolveAgain);
                 }
             });

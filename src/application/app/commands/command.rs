@@ -189,7 +189,10 @@ rows! {
     AddCut, "add_cut", Frame, Picture, Frame, "Cut before this frame", "Start a new shot at this frame and end the previous one before it. One step of undo.", [];
     MoveCutHere, "move_cut_here", Frame, Picture, Frame, "Move the cut here", "Move the nearest cut to just before this frame, so that its shot starts here. One step of undo.", [];
     RemoveCut, "remove_cut", Frame, Picture, Frame, "Join with previous shot", "Remove the cut before this shot and merge it with the previous one. One step of undo.", [];
-    ShotContent, "shot_content", Frame, Picture, Frame, "Shot shows no field, or a field", "Correct what this shot shows: shots without a field get no camera and want none. One step of undo.", ["Ctrl+Shift+K"];
+    ShotContent, "shot_content", Frame, Picture, Frame, "Shot shows no field, or a field",
+        "Correct what this shot shows: shots without a field get no camera and want none. One \
+         step of undo.",
+        ["Ctrl+Shift+K"];
     NextReference, "next_reference", Frame, Document, Frame, "Next reference", "Go to the next accepted frame.", ["R"];
     PreviousReference, "previous_reference", Frame, Document, Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
     Accept, "accept", Frame, Picture, Frame, "Accept and next", "Make this frame a reference and go to the next frame to do.", ["Enter"];
@@ -199,7 +202,10 @@ rows! {
     AcceptStretch, "accept_stretch", Frame, Picture, Frame, "Accept the selected frames…", "Count the selected frames that lie on their painted lines, and accept these after a look; Enter does this while frames are selected. One step of undo.", [];
     UseForTraining, "use_for_training", Frame, Picture, Frame, "Use for training", "Train the forest with this reference. Accepted suggestions are not used unless you say so.", [];
     Reject, "reject", Frame, Picture, Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
-    AcceptShot, "accept_shot", Frame, Picture, Frame, "Accept this shot…", "Accept the frames of this shot that lie on their painted lines, after a preview. One step of undo.", ["Ctrl+Shift+Enter"];
+    AcceptShot, "accept_shot", Frame, Picture, Frame, "Accept this shot…",
+        "Accept the frames of this shot that lie on their painted lines, after a preview. One \
+         step of undo.",
+        ["Ctrl+Shift+Enter"];
     RejectShot, "reject_shot", Frame, Picture, Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
     Comment, "comment", Frame, Picture, Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
     MendNames, "mend_names", Frame, Picture, Frame, "Use the names that fit", "Where other names fit the points better or equally well: swap, mirror or rename them.", [];

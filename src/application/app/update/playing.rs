@@ -58,7 +58,7 @@ impl App {
     /// Accepts the suggestions that were played.
     pub(super) fn accept_played(&mut self) {
         let frames = self.watched_suggestions(usize::MAX);
-        self.accept_watched(frames);
+        self.accept_watched(&frames);
     }
 
     /// Stops where lines begin to be off: the suggestions that were played before are accepted, and
@@ -75,7 +75,7 @@ impl App {
         self.session.video.playing = false;
         let frames = self.watched_suggestions(wrong);
         self.go_to(wrong);
-        self.accept_watched(frames);
+        self.accept_watched(&frames);
     }
 
     /// Whether suggestions were played since the video was started, or since a jump in it.
@@ -106,13 +106,13 @@ impl App {
         })
     }
 
-    fn accept_watched(&mut self, frames: Vec<usize>) {
+    fn accept_watched(&mut self, frames: &[usize]) {
         if frames.is_empty() {
             let none = "No suggestion was played up to here.";
             self.session.notify(Level::Info, none);
             return;
         }
-        if self.accept_together(&frames, "suggestion", true) {
+        if self.accept_together(frames, "suggestion", true) {
             self.session.video.played = None;
             self.session.retract(Command::AcceptPlayed);
         }

@@ -228,7 +228,8 @@ impl<'a> AspectTest<'a> {
         })
     }
 
-    /// The aspect (logarithm, over the stated one) that usual pictures scaled to this proportion have.
+    /// The aspect that usual pictures scaled to this proportion have: its logarithm, over the
+    /// stated one.
     fn of_usual_scaled(&self) -> f64 {
         let ImageSize { width, height } = self.clicks.image_size;
         let stated_width = f64::from(width) * self.clicks.pixel_aspect;

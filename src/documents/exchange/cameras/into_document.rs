@@ -389,8 +389,8 @@ fn upright_axis(view: &Pinhole) -> Vec3 {
     upright.normalize()
 }
 
-/// The common lens of all views: one principal point, one aspect of the pixels, k₁ linear in the focal length, and k₂ a
-/// constant multiple of k₁². None if no such lens fits all of them.
+/// The common lens of all views: one principal point, one aspect of the pixels, k₁ linear in the
+/// focal length, and k₂ a constant multiple of k₁². None if no such lens fits all of them.
 fn lens_of(views: &[&Pinhole]) -> Option<FocalCurve> {
     // The principal point is compared to rounding, 1e-9 px.
     let first = views.first()?;

@@ -504,13 +504,15 @@ mod tests {
         );
         absurd["lens"].as_object_mut().unwrap().remove("distortion");
         assert!(read(&absurd).is_ok(), "as it says");
+        let square_px = read(&sample).unwrap().pinhole().unwrap().focal_px;
         let mut squeezed = sample;
         let mut squeezed_by = |num: u32| {
             squeezed["static"]["camera"]["anamorphicSqueeze"] = json!({ "num": num, "denom": 1 });
             read(&squeezed)
         };
         let pinhole = *squeezed_by(2).unwrap().pinhole().unwrap();
-        assert_eq!((pinhole.focal_px, pinhole.lens.pixel_aspect), (1205.0, 2.0));
+        let read = (pinhole.focal_px, pinhole.lens.pixel_aspect);
+        assert_eq!(read, (0.5 * square_px, 2.0));
         let said = squeezed_by(5).unwrap_err().to_string();
         assert!(said.contains("is 5, which must be 0.25 to 4"), "{said}");
     }

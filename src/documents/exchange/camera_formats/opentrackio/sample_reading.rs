@@ -255,8 +255,9 @@ pub(super) fn read_sample(
             principal_point.y + y / mm_per_px,
         );
     }
-    // A squeezed picture has a shorter focal length across: that is the aspect of its pixels. The sensor's height does not count: it is
-    // often that of the whole chip, of which the picture is a part.
+    // A squeezed picture has a shorter focal length across: that is the aspect of its pixels. The
+    // sensor's height does not count: it is often that of the whole chip, of which the picture is a
+    // part.
     let across = focal_mm / mm_per_px / known.squeeze;
     let taken = Calibration {
         fx: across,
