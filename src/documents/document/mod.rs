@@ -45,7 +45,7 @@
 //! |---|---|
 //! | `id` | the name that frames refer to |
 //! | `image_size_px`, `principal_point_px` | of its pictures, px |
-//! | `pixel_aspect?` | fy / fx, the width of a pixel over its height, 0.25 to 4; absent: 1, square. Focal lengths are fx |
+//! | `pixel_aspect?` | fy / fx, 0.25 to 4; absent: 1, square pixels. Focal lengths are fx |
 //! | `position_m?`, `base_from_world?` | its base; absent: not known yet |
 //! | `distortion?` | `k1`: `at_focal_px`, `value`, `per_1000_px` ([`K1Curve`]); `k2_per_k1_squared?`: k₂ = this · k₁² ([`Distortion`]) |
 //! | `sigma?` | prior 1-σ of the base: `position_m`, `rotation_deg`, `k1?`, `k1_per_1000_px?`, `crown_m?`, `crown_width_m?`, `principal_point_px?`, `correlation?`, `length?`, `width?` ([`CameraSigma`]) |
