@@ -269,7 +269,7 @@ impl Radial {
         self.slope(steepest).max(1.0)
     }
 
-    /// The derivative of the distorted point by the ideal one, as [`distort`] gives it.
+    /// The derivative of the distorted point by the ideal one, as `distort` gives it.
     #[inline]
     pub fn by_ideal(&self, ideal: Vec2) -> Matrix2<f64> {
         // d(x s(r²))/dx = s I + 2 s' x xᵀ, with s' the derivative of the stretch s by r²; the row
