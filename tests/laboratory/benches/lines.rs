@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 use touchline::calibrate::observations;
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera, StatedLens};
 use touchline::document::Frame;
 use touchline::exchange::{Format, ImportOptions, import};
 use touchline::field::{FieldElement, FieldModel, builtin};
@@ -76,7 +76,7 @@ fn solve(
         field,
         observations: points,
         image_size: SIZE,
-        principal_point: None,
+        lens: StatedLens::default(),
     };
     camera_from_lines(&picture, options)
 }
