@@ -73,7 +73,13 @@ impl App {
             _ => self.session.frame,
         };
         self.session.video.playing = false;
-        let frames = self.watched_suggestions(wrong);
+        // Elsewhere it says nothing of what was played.
+        let mut frames = Vec::new();
+        if let Some((from, to)) = self.session.video.played
+            && (from..=to).contains(&wrong)
+        {
+            frames = self.watched_suggestions(wrong);
+        }
         self.go_to(wrong);
         self.accept_watched(&frames);
     }
@@ -242,5 +248,11 @@ mod tests {
         app.go_to(45);
         run(&mut app, Command::StopAtWrong);
         assert_eq!((app.session.frame, accepted(&app).len()), (45, 25));
+        // Elsewhere nothing was seen.
+        play(&mut app, 45, 48);
+        run(&mut app, Command::PlayPause);
+        app.go_to(55);
+        run(&mut app, Command::StopAtWrong);
+        assert_eq!(accepted(&app).len(), 25);
     }
 }
