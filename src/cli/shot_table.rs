@@ -107,25 +107,16 @@ fn line([name, shots, frames, certain, uncertain, none, remark]: [&str; 7]) -> S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{
-        Frame, ShotContent, ShotKind, Solution, VideoFrame, VideoShots,
-    };
-    use touchline_documents::testing::{ptz_at, soccer_document};
+    use touchline_documents::document::{ShotContent, ShotKind, Solution};
+    use touchline_documents::testing::{cut_video, ptz_at};
 
     fn document() -> Document {
-        let mut document = soccer_document();
-        for index in 0..20 {
-            let video = VideoFrame::new("a.mp4", index, None);
-            let frame = Frame::from_video(video, "main".into(), ImageSize::new(64, 36));
-            document.frames.push(frame.into());
-        }
         let cuts = [
             (6, ShotKind::Transition),
             (9, ShotKind::Fade),
             (14, ShotKind::Cut),
         ];
-        VideoShots::from_cuts(&document, "a.mp4", 19, &cuts).write(&mut document);
+        let mut document = cut_video("a.mp4", 20, &cuts);
         document.shots[2].content = Some(ShotContent::NoField);
         for index in 0..6 {
             let frame = &mut document.frames[index];

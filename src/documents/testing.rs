@@ -8,8 +8,8 @@
 )]
 
 use crate::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource,
-    VideoFrame, document_from_bytes, document_to_string,
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, ShotKind, Solution,
+    SolutionSource, VideoFrame, VideoShots, document_from_bytes, document_to_string,
 };
 use std::fs;
 use std::path::Path;
@@ -89,6 +89,17 @@ pub fn new_frame(picture: &str, image_size: ImageSize) -> Frame {
 pub fn new_video_frame(path: &str, index: u64, image_size: ImageSize) -> Frame {
     let video = VideoFrame::new(path, index, Some(index as f64 / 25.0));
     Frame::from_video(video, "main".into(), image_size)
+}
+
+/// A video of a soccer match with so many frames, cut where its shots begin.
+pub fn cut_video(path: &str, frames: u64, cuts: &[(u64, ShotKind)]) -> Document {
+    let mut document = soccer_document();
+    for index in 0..frames {
+        let frame = new_video_frame(path, index, SMALL);
+        document.frames.push(frame.into());
+    }
+    VideoShots::from_cuts(&document, path, frames - 1, cuts).write(&mut document);
+    document
 }
 
 /// Where a frame looks, degrees and px.

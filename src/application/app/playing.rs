@@ -81,8 +81,8 @@ impl PlayClock {
     }
 }
 
-/// The last frame that was due some time before another one of its video, s; the first that is
-/// followed by no jump to another video at least.
+/// The last frame that was due some time before another one of its video, s; the first of the video
+/// where there is none.
 pub fn frame_earlier(open: &OpenProject, frame: usize, by_s: f64) -> usize {
     let at_s = time_s(open, frame) - by_s;
     let before = (0..frame).rev();

@@ -11,8 +11,8 @@ use crate::ui::drawing::labels::lay_out_within;
 use crate::ui::maps::miniature;
 use crate::ui::rows::menu::{self, file_name};
 use egui::{
-    Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui,
-    WidgetInfo, pos2, vec2,
+    Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Response, Role, ScrollArea, Sense,
+    Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
 use touchline_application::app::session::status_label;
@@ -249,28 +249,13 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         WidgetInfo::selected(Role::Button, true, current, label)
     });
     // Background, thumbnail with the proposed lines, line check.
+    paint_ground(ui, place, &response, current);
     let painter = ui.painter();
-    if current || response.hovered() {
-        let ground = if current {
-            ui.palette().accent_ground
-        } else {
-            ui.palette().raised
-        };
-        painter.rect_filled(place.shrink2(vec2(4.0, 1.0)), CornerRadius::same(4), ground);
-    }
     let picture = Rect::from_min_size(place.min + vec2(8.0, (ROW - PICTURE.y) / 2.0), PICTURE);
     miniature::paint(panel, painter, open, row.frame, picture);
     if let Some(says) = &paint {
         let corner = picture.right_bottom() - vec2(5.0, 5.0);
         theme::paint_line_mark(painter, corner, says.verdict);
-    }
-    if response.has_focus() {
-        painter.rect_stroke(
-            place.shrink(2.0),
-            4.0,
-            Stroke::new(1.0, ui.palette().accent),
-            egui::StrokeKind::Inside,
-        );
     }
     // First line: number and name at the left, the confidence at the right. The name ends before
     // the confidence.
@@ -367,6 +352,24 @@ fn confidence_bar(painter: &Painter, track: Rect, confidence: Option<f64>) {
     let share = confidence.unwrap_or(0.0).clamp(0.0, 1.0) as f32;
     let filled = Rect::from_min_size(track.min, vec2(track.width() * share, track.height()));
     painter.rect_filled(filled, CornerRadius::same(2), painter.palette().accent);
+}
+
+/// Paints the ground of a row: lit under the pointer and for what is shown, with an edge where the
+/// focus is.
+pub fn paint_ground(ui: &Ui, place: Rect, response: &Response, current: bool) {
+    let (painter, palette) = (ui.painter(), ui.palette());
+    if current || response.hovered() {
+        let ground = if current {
+            palette.accent_ground
+        } else {
+            palette.raised
+        };
+        painter.rect_filled(place.shrink2(vec2(4.0, 1.0)), CornerRadius::same(4), ground);
+    }
+    if response.has_focus() {
+        let edge = Stroke::new(1.0, palette.accent);
+        painter.rect_stroke(place.shrink(2.0), 4.0, edge, StrokeKind::Inside);
+    }
 }
 
 /// Writes one line of text; it ends in an ellipsis if it is longer than `width` points.

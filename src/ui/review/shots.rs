@@ -1,14 +1,13 @@
 //! The list of shots: a thumbnail from the middle, camera and kind, how many frames have a camera,
 //! and what is left to do. Only rows in view become widgets.
 
-use super::list::text_within;
+use super::list::{paint_ground, text_within};
 use crate::ui::Panel;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::maps::miniature;
 use crate::ui::rows::menu;
 use egui::{
-    Button, Context, CornerRadius, Frame, Id, Margin, Rect, Role, ScrollArea, Sense, Stroke,
-    StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Button, Context, Frame, Id, Margin, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -33,10 +32,11 @@ const MENU: [Command; 8] = [
     Command::SelectShot,
 ];
 
-/// The rows that were computed last, with the document and the version that they are of.
+/// The rows that were computed last, with the document, the version and the choice that they are
+/// of.
 #[derive(Clone)]
 struct CachedRows {
-    of: (PathBuf, u64),
+    of: (PathBuf, u64, ShotOrder, bool),
     rows: Arc<Vec<ShotRow>>,
 }
 
@@ -45,8 +45,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     orders(panel, ui);
     let Some(open) = panel.app.open() else { return };
     let choice = panel.app.session.review.shots;
-    let all = cached_rows(ui.ctx(), open);
-    let rows = in_order(all.to_vec(), choice.order, choice.fields_only);
+    let rows = cached_rows(ui.ctx(), open, (choice.order, choice.fields_only));
     if rows.is_empty() {
         Frame::new()
             .inner_margin(Margin::symmetric(8, 4))
@@ -69,15 +68,22 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The rows of the document, computed again when it has changed.
-fn cached_rows(ctx: &Context, open: &OpenProject) -> Arc<Vec<ShotRow>> {
-    let of = (open.file.clone(), open.document.version());
+/// The chosen rows of the document in their order, computed again when it or the choice has
+/// changed.
+fn cached_rows(
+    ctx: &Context,
+    open: &OpenProject,
+    (order, fields_only): (ShotOrder, bool),
+) -> Arc<Vec<ShotRow>> {
+    let version = open.document.version();
+    let of = (open.file.clone(), version, order, fields_only);
     let memory = Id::unique("shot rows");
     let known = ctx.data(|data| data.get_temp::<CachedRows>(memory));
     if let Some(known) = known.filter(|known| known.of == of) {
         return known.rows;
     }
-    let rows = Arc::new(shot_rows(&open.document));
+    let rows = in_order(shot_rows(&open.document), order, fields_only);
+    let rows = Arc::new(rows);
     let cached = CachedRows {
         of,
         rows: Arc::clone(&rows),
@@ -131,21 +137,10 @@ fn show_row(panel: &mut Panel<'_>, ui: &mut Ui, row: &ShotRow) {
         let label = format!("Shot {title}, {shows}, {counts}, {}", row.reason());
         WidgetInfo::selected(Role::Button, true, current, label)
     });
+    paint_ground(ui, place, &response, current);
     let painter = ui.painter();
-    if current || response.hovered() {
-        let ground = if current {
-            ui.palette().accent_ground
-        } else {
-            ui.palette().raised
-        };
-        painter.rect_filled(place.shrink2(vec2(4.0, 1.0)), CornerRadius::same(4), ground);
-    }
     let picture = Rect::from_min_size(place.min + vec2(8.0, (ROW - PICTURE.y) / 2.0), PICTURE);
     miniature::paint(panel, painter, open, row.first.midpoint(row.last), picture);
-    if response.has_focus() {
-        let edge = Stroke::new(1.0, ui.palette().accent);
-        painter.rect_stroke(place.shrink(2.0), 4.0, edge, StrokeKind::Inside);
-    }
     let left = picture.right() + 8.0;
     let width = place.right() - 10.0 - left;
     let is_done = row.doubtful() == 0;

@@ -45,25 +45,16 @@ pub fn spread_over_shots(document: &Document, frames: &[usize], count: usize) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Frame, VideoFrame, VideoShots};
-    use touchline_documents::testing::soccer_document;
+    use touchline_documents::testing::cut_video;
 
     /// 200 frames: a long shot, a transition, a short shot, another long one.
     fn document() -> Document {
-        let mut document = soccer_document();
-        for index in 0..200 {
-            let video = VideoFrame::new("a.mp4", index, None);
-            let frame = Frame::from_video(video, "main".into(), ImageSize::new(64, 36));
-            document.frames.push(frame.into());
-        }
         let cuts = [
             (90, ShotKind::Transition),
             (101, ShotKind::Fade),
             (105, ShotKind::Cut),
         ];
-        VideoShots::from_cuts(&document, "a.mp4", 199, &cuts).write(&mut document);
-        document
+        cut_video("a.mp4", 200, &cuts)
     }
 
     #[test]
