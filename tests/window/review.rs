@@ -3,8 +3,8 @@
 
 use super::harness::Window;
 use crate::parts::{Test, tests};
-use egui::Key;
 use egui::accesskit::Role;
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::session::{Dialog, SidePanel};
 use touchline::document::FrameStatus;
@@ -18,6 +18,7 @@ pub const TESTS: &[Test] = tests![
     [Adapter] several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back;
     [Adapter] a_stretch_is_counted_and_accepted_by_keyboard_and_one_undo_takes_it_back;
     [Adapter] the_pictures_of_many_suggestions_lie_apart;
+    [Adapter] in_the_gallery_pictures_are_selected_by_clicks_and_keys_and_accepted_once_seen;
     [Adapter] an_accepted_suggestion_can_be_used_for_training;
 ];
 
@@ -95,6 +96,46 @@ fn a_row_has_a_menu_of_what_can_be_done_with_its_frame() {
             FrameStatus::Reference
         ]
     );
+}
+
+fn in_the_gallery_pictures_are_selected_by_clicks_and_keys_and_accepted_once_seen() {
+    use FrameStatus::{Reference, Rejected, Suggested};
+    let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93)], SIZE);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::SHIFT, Key::F4);
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.dialog, Some(Dialog::Gallery));
+    window.harness.run_steps(2);
+    // The most doubtful comes first; the arrows begin there.
+    window.key(Key::Space);
+    assert_eq!(window.app().session.frames_selected, [0].into());
+    window
+        .harness
+        .key_press_modifiers(Modifiers::SHIFT, Key::ArrowRight);
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.frames_selected, [0, 2].into());
+    window
+        .harness
+        .get_by_label_contains("Frame 1, 99 %")
+        .click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.frames_selected, [1].into());
+    window.wait_for(Shell::has_thumbnails);
+    window.key(Key::Enter);
+    assert_eq!(statuses(&window), [Suggested, Reference, Suggested]);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.frames_selected, [0, 2].into());
+    window.press_label("Reject 2");
+    window.harness.run_steps(3);
+    window.press_label("Replay");
+    window.harness.run_steps(3);
+    assert_eq!(statuses(&window), [Rejected, Reference, Rejected]);
+    window.key(Key::Escape);
+    assert_eq!(window.app().session.dialog, None);
 }
 
 fn under_the_pointer_no_row_moves() {

@@ -8,6 +8,7 @@ mod accept_all;
 mod assign;
 mod found_camera;
 mod fuzzy;
+mod gallery;
 mod guide;
 mod keys;
 mod other_versions;
@@ -47,6 +48,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::PictureLook) => overlay_style::show_picture_look(panel, ctx),
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
+        Some(Dialog::Gallery) => gallery::show(panel, ctx),
         Some(Dialog::DiscardBatch { batch, frames }) => {
             accept_all::show_discard_batch(panel, ctx, batch, frames);
         }

@@ -13,17 +13,17 @@ use touchline_documents::document::FrameStatus;
 const TOLERANCE_PX: f64 = 4.0;
 
 /// Draws a frame's thumbnail into a box, with the field's lines as its camera projects them; dashed
-/// if the camera is a proposal.
+/// if the camera is a proposal. Returns whether the picture was there.
 pub fn paint(
     panel: &mut Panel<'_>,
     painter: &Painter,
     open: &OpenProject,
     index: usize,
     within: Rect,
-) {
+) -> bool {
     painter.rect_filled(within, CornerRadius::same(2), painter.palette().raised);
     let Some(frame) = open.frame(index) else {
-        return;
+        return false;
     };
     // The size of the frame, not of the thumbnail: lines are projected in px of the frame. At least
     // one px, so that the scale is finite.
@@ -35,19 +35,21 @@ pub fn paint(
     let scale = (within.width() / size.x).min(within.height() / size.y);
     // The picture in its own shape, in the middle of the box.
     let picture = Rect::from_center_size(within.center(), size * scale);
-    if let Some(texture) = panel.pictures.thumbnail(open, index) {
+    let texture = panel.pictures.thumbnail(open, index);
+    let has_picture = texture.is_some() || panel.pictures.has_no_thumbnail(open, index);
+    if let Some(texture) = texture {
         painter.image(texture.id(), picture, WHOLE, Color32::WHITE);
     }
     // Only the shown frame's field is at hand. Other frames get lines if they share it.
     let Some(field) = panel.app.current().field() else {
-        return;
+        return has_picture;
     };
     let shares_field = panel
         .app
         .frame()
         .is_some_and(|shown| open.document.field_of(shown) == open.document.field_of(frame));
     let Some(camera) = open.document.ptz_camera(frame).filter(|_| shares_field) else {
-        return;
+        return has_picture;
     };
     let options = MarkingOptions {
         tolerance_px: TOLERANCE_PX,
@@ -69,4 +71,5 @@ pub fn paint(
             clipped.add(Shape::line(points, stroke));
         }
     }
+    has_picture
 }

@@ -5,6 +5,7 @@
 //! therefore keeps the order, and new suggestions come last. Otherwise the list scrolls so that the
 //! row of the shown frame keeps its place.
 
+use super::facts::RowFacts;
 use crate::ui::Panel;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::lay_out_within;
@@ -15,7 +16,6 @@ use egui::{
     Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use touchline_application::app::review::{ReviewOrder, ReviewRow, percent};
-use touchline_application::app::session::status_label;
 use touchline_application::app::{Command, ViewAction, sentence};
 
 /// Height of a row, points.
@@ -208,43 +208,19 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let response = ui.interact(place, Id::unique(("review row", row.frame)), Sense::click());
     let current = row.frame == panel.app.session.frame;
     let name = file_name(&frame.name());
-    // A row that is no longer a suggestion shows only what became of it.
-    let confidence = match row.confidence {
-        _ if row.gone => status_label(frame.status).to_lowercase(),
-        Some(confidence) => percent(confidence),
-        None => "not known".to_owned(),
+    let Some(facts) = RowFacts::new(panel, &row) else {
+        return;
     };
-    let paint = panel.app.paint_says(row.frame).filter(|_| !row.gone);
-    // Exactly equal cameras of neighbours are suspicious, unless the picture stands still as well.
-    let neighbours = row.apart_px().filter(|_| !row.gone).map(|px| {
-        if row.is_still() {
-            "camera exactly still".to_owned()
-        } else {
-            format!("{px:.0} px from neighbours")
-        }
-    });
-    let mended = row
-        .shift_by_mending_px
-        .filter(|_| !row.gone)
-        .map(describe_mended);
-    let unlikely = frame.why_unlikely().filter(|_| !row.gone);
     response.widget_info(|| {
-        let apart = neighbours
-            .as_ref()
-            .map(|text| format!(", {text}"))
-            .unwrap_or_default();
         let what = if row.gone {
             "No longer a suggestion"
         } else {
             "Suggestion"
         };
-        let lines = paint
-            .map(|says| format!(", {}", says.in_brief()))
-            .unwrap_or_default();
-        let why = unlikely.map(|why| format!(", {why}")).unwrap_or_default();
         let label = format!(
-            "{what}, frame {}, {name}, {confidence}{apart}{lines}{why}",
-            open.frame_number(row.frame)
+            "{what}, frame {}, {name}, {}",
+            open.frame_number(row.frame),
+            facts.in_full()
         );
         WidgetInfo::selected(Role::Button, true, current, label)
     });
@@ -253,7 +229,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let painter = ui.painter();
     let picture = Rect::from_min_size(place.min + vec2(8.0, (ROW - PICTURE.y) / 2.0), PICTURE);
     miniature::paint(panel, painter, open, row.frame, picture);
-    if let Some(says) = &paint {
+    if let Some(says) = &facts.paint {
         let corner = picture.right_bottom() - vec2(5.0, 5.0);
         theme::paint_line_mark(painter, corner, says.verdict);
     }
@@ -271,7 +247,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let said = painter.text(
         pos2(right, first_line),
         Align2::RIGHT_CENTER,
-        &confidence,
+        &facts.confidence,
         FontId::proportional(12.0),
         strong,
     );
@@ -289,12 +265,16 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     // orders by paint and by distance first how far mending has moved the camera.
     let order = panel.app.session.review.order;
     let is_by_moved = matches!(order, ReviewOrder::Paint | ReviewOrder::Moved);
-    let beside = mended
-        .clone()
-        .filter(|_| is_by_moved)
-        .or(neighbours.clone());
-    if let Some(text) = unlikely.map(str::to_owned).or(beside) {
-        let is_odd = unlikely.is_some() || row.disagrees() || row.is_still();
+    let RowFacts {
+        confidence,
+        unlikely,
+        neighbours,
+        mended,
+        paint,
+        is_odd,
+    } = facts;
+    let beside = mended.clone().filter(|_| is_by_moved);
+    if let Some(text) = unlikely.clone().or(beside).or(neighbours.clone()) {
         let colour = if is_odd {
             ui.palette().caution
         } else {
@@ -322,7 +302,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         ""
     };
     let why = unlikely
-        .map(|why| format!(" {}", sentence(why)))
+        .map(|why| format!(" {}", sentence(&why)))
         .unwrap_or_default();
     let tip = format!(
         "{}: {}.{why}{still} Click to look at it.",
@@ -335,15 +315,6 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     response.on_hover_text(tip);
-}
-
-/// How far mending moved the camera that a frame came with.
-fn describe_mended(moved_px: f64) -> String {
-    if moved_px.is_finite() {
-        format!("moved {moved_px:.0} px")
-    } else {
-        "came impossible".to_owned()
-    }
 }
 
 /// Draws the confidence as a bar.

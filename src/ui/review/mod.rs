@@ -1,8 +1,11 @@
 //! The review panel: the list of suggestions or of shots, accepting many of them together, and
 //! where a label would help most.
 
+mod facts;
 mod list;
 mod shots;
+
+pub use facts::RowFacts;
 
 use super::{Panel, inspector};
 use crate::ui::controls::show_button;
@@ -81,7 +84,7 @@ fn count(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 /// Shows the choice of the order, and whether only one suggestion of each shot is listed.
-fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
+pub fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new()
         .inner_margin(Margin::symmetric(8, 0))
         .show(ui, |ui| {

@@ -52,7 +52,7 @@ pub use turf::surface::Surface;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    camera_alignment::check::{check_lines, overlays_apart_px},
+    camera_alignment::check::{check_lines, lines_on_paint, overlays_apart_px},
     camera_alignment::places::{PaintPlace, observations_of_paint, paint_places},
     click_snapping::point::snap_point,
     click_snapping::{PointSnapOptions, SnappedPoint},

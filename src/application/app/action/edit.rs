@@ -91,6 +91,10 @@ pub enum EditAction {
     DiscardBatch(BatchId),
     /// Accept the suggestions on the sheet *Accept all*.
     AcceptAll,
+    /// Accept the suggestions that are selected in the gallery.
+    AcceptSelected,
+    /// Mark the frames that are selected in the gallery as not calibratable.
+    RejectSelected(RejectReason),
     /// Use a reference for training, or not.
     SetUseForTraining {
         /// The index of the frame.

@@ -22,6 +22,7 @@ use crate::app::project::opened::{Opened, OutsideChoice};
 use crate::app::window_state::session::Question;
 use crate::scene::shot_list::ShotOrder;
 use crate::scene::{OverlayStyle, PictureLook, Sport};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use touchline_core::field::{FieldError, Template};
 use touchline_core::geometry::ImagePoint;
@@ -270,6 +271,8 @@ pub enum ViewAction {
     FitScale(f64),
     /// Clear the selection on the filmstrip.
     SelectNoFrames,
+    /// Select frames, by their indices.
+    SelectFrames(BTreeSet<usize>),
     /// Set the filter of the filmstrip.
     SetFilter(Filter),
     /// The pointer entered (true) or left the list in the review panel; see [`crate::app::review`].

@@ -244,6 +244,10 @@ rows! {
     PauseTrainer, "pause_trainer", Frame, Application, Nothing, "Pause the trainer", "Stop training and proposing in the background until you resume it.", [];
     ShowFeatures, "show_features", View, Picture, Nothing, "Features", "Show the features of this frame: those that look like the references, and those that agree on its camera.", [];
     ReviewPanel, "review_panel", View, Document, Document, "Review panel", "All proposals, by confidence, by disagreement between neighbours or by time.", ["F4"];
+    Gallery, "gallery", Frame, Document, Document, "Gallery",
+        "All suggestions as pictures over the whole window, in the order of the review panel: \
+         select, accept or reject many at once.",
+        ["Shift+F4"];
     QualityPage, "quality_page", View, Document, Document, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where the references look.", ["F5"];
     CompareAnnotators, "compare_annotators", View, Document, Frame, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
     FindCamera, "find_camera", Camera, Picture, Frame, "Find the camera automatically", "Find the camera's position and the cameras of its frames from the pictures alone, without a click. Results are given only where they are certain, as suggestions. One step of undo.", [];

@@ -26,6 +26,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::CameraPanel => "position rotation lens distortion intrinsics principal point masks",
         C::TrainerPanel | C::PauseTrainer => "forest learn model training relocalization",
         C::ReviewPanel => "suggestions proposals list",
+        C::Gallery => "thumbnails contact sheet overview grid approve",
         C::QualityPage => "statistics errors residuals report",
         C::Track | C::DiscardTracked | C::StopTracking | C::RefineBaseOnShot => {
             "propagate interpolate carry follow tracking"

@@ -75,7 +75,8 @@ impl Review {
         };
         let choice = &session.review;
         let listed = session.panel == SidePanel::Review;
-        let with_neighbours = listed || session.dialog == Some(Dialog::AcceptAll);
+        let with_neighbours =
+            listed || matches!(session.dialog, Some(Dialog::AcceptAll | Dialog::Gallery));
         let source = Source {
             suggestions: open.derived.counts(&open.document).suggestions_edition(),
             order: choice.order,

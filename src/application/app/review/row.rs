@@ -25,6 +25,8 @@ pub struct ReviewRow {
     /// How far mending moved the camera that it came with, px; infinitely far if that camera was
     /// impossible.
     pub shift_by_mending_px: Option<f64>,
+    /// Where the camera looks, °; none without one.
+    pub pan_deg: Option<f64>,
     /// Whether the frame is no longer a suggestion: it was accepted, rejected, corrected or
     /// withdrawn while the list was held.
     pub gone: bool,
@@ -46,6 +48,7 @@ impl ReviewRow {
             disagreement,
             paint: frame.paint_verdict(),
             shift_by_mending_px: frame.shift_by_mending_px(),
+            pan_deg: frame.ptz.as_ref().map(|ptz| ptz.pan_deg),
             gone: false,
         }
     }
@@ -91,12 +94,14 @@ fn moved_px(row: &ReviewRow) -> f64 {
 
 /// Compares two rows in the chosen order; equal ones by time.
 pub(super) fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Ordering {
+    let pan_deg = |row: &ReviewRow| row.pan_deg.unwrap_or(f64::NEG_INFINITY);
     let apart = |row: &ReviewRow| row.apart_px().unwrap_or(f64::NEG_INFINITY);
     let by_choice = match order {
         ReviewOrder::Confidence => doubtful_first(a, b),
         ReviewOrder::Disagreement => apart(b).total_cmp(&apart(a)),
         ReviewOrder::Paint => off_paint_first(a, b),
         ReviewOrder::Moved => moved_px(b).total_cmp(&moved_px(a)),
+        ReviewOrder::Pan => pan_deg(a).total_cmp(&pan_deg(b)),
         ReviewOrder::Time => Ordering::Equal,
     };
     by_choice.then(a.frame.cmp(&b.frame))

@@ -312,6 +312,7 @@ impl App {
             C::PauseTrainer => self.pause_trainer(),
             C::ShowFeatures => self.show_features(),
             C::ReviewPanel => self.toggle_panel(SidePanel::Review),
+            C::Gallery => self.toggle_gallery(),
             C::QualityPage => self.toggle_quality(),
             // Cameras and fields.
             C::AssignToCamera => self.ask_camera(),

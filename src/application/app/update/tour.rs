@@ -133,7 +133,9 @@ impl App {
             ) => GuidePage::Window,
             Some(Dialog::AssignToCamera(_) | Dialog::FoundCamera) => GuidePage::Base,
             Some(Dialog::GoToPlace) => GuidePage::Video,
-            Some(Dialog::AcceptAll | Dialog::DiscardBatch { .. }) => GuidePage::Review,
+            Some(Dialog::AcceptAll | Dialog::Gallery | Dialog::DiscardBatch { .. }) => {
+                GuidePage::Review
+            }
             Some(Dialog::Transfer) => GuidePage::Export,
             Some(Dialog::ChangedOutside | Dialog::Orphans) => GuidePage::SeveralPeople,
             Some(Dialog::Palette | Dialog::Comment(_) | Dialog::Path(_) | Dialog::Guide { .. }) => {

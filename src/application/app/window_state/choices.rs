@@ -203,17 +203,20 @@ pub enum ReviewOrder {
     Paint,
     /// Those first that mending moved farthest.
     Moved,
+    /// From left to right, by where the camera looks.
+    Pan,
     /// In the document's order.
     Time,
 }
 
 impl ReviewOrder {
     /// All orders, as the panel lists them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Confidence,
         Self::Disagreement,
         Self::Paint,
         Self::Moved,
+        Self::Pan,
         Self::Time,
     ];
 
@@ -224,6 +227,7 @@ impl ReviewOrder {
             Self::Disagreement => "Disagreement",
             Self::Paint => "Paint",
             Self::Moved => "Moved",
+            Self::Pan => "Pan",
             Self::Time => "Time",
         }
     }
@@ -244,6 +248,7 @@ impl ReviewOrder {
             Self::Moved => {
                 "Those first whose imported camera mending moved farthest, in px of the picture."
             }
+            Self::Pan => "From left to right: frames that look alike stand together.",
             Self::Time => "In the order of the frames.",
         }
     }

@@ -294,6 +294,8 @@ pub enum Dialog {
     FoundCamera,
     /// Acceptance of several suggestions together.
     AcceptAll,
+    /// All suggestions as pictures.
+    Gallery,
     /// Question whether to discard a large batch of suggestions.
     DiscardBatch {
         batch: BatchId,

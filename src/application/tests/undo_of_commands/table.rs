@@ -466,6 +466,7 @@ pub fn plan(command: Command) -> Plan {
         | C::PauseTrainer
         | C::ShowFeatures
         | C::ReviewPanel
+        | C::Gallery
         | C::QualityPage
         | C::StopFindCamera
         // Their result waits for “Use the estimated base”.

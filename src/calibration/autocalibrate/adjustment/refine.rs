@@ -78,8 +78,7 @@ pub fn refine_base(
         })
         .collect();
     let indices: Vec<usize> = frames.iter().map(|frame| frame.index).collect();
-    let open_size = is_size_unknown.then(|| OpenSize::of(document, &spec, &field));
-    let open_size = open_size.transpose().map_err(AutocalibrationError::from)?;
+    let open = OpenSize::of(document, &spec, &field).map_err(AutocalibrationError::from)?;
     let known = KnownFrames {
         start: KnownCameras {
             base: found.base,
@@ -92,8 +91,13 @@ pub fn refine_base(
             .map(|&index| document.masks_of(&document.frames[index]))
             .collect(),
         picture: &mut |place: usize| picture(indices[place]),
-        open_size: open_size.as_ref(),
-        problem: BaseProblem::without_clicks(of_document, field, &found.base, indices.clone()),
+        fits_size: is_size_unknown,
+        problem: BaseProblem::without_clicks(
+            of_document,
+            (field, open),
+            &found.base,
+            indices.clone(),
+        ),
     };
     // An error after the receiver ended the search is the cancellation. Any other means that the
     // paint does not determine a base: no answer, but no failure either.

@@ -11,7 +11,7 @@ use super::paint_observations::{AT_ONCE, BaseOnPaintError, KnownCameras};
 use super::refit::refit;
 use crate::calibrate::frames::solve_frames::is_by_clicks;
 use crate::calibrate::paint::{record_snapped, snap_frame};
-use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase, OpenSize};
+use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -204,14 +204,11 @@ pub fn estimate_on_paint(
 ) -> Result<BaseOnPaint, BaseOnPaintError> {
     let problem = BaseProblem::with_solved(document, camera)?;
     let start = first_cameras(&problem, document, options, progress)?;
-    let spec = document.field_of_camera(camera);
     let frames: Vec<&Frame> = problem
         .frames
         .iter()
         .map(|index| &*document.frames[*index])
         .collect();
-    let open_size = size.then(|| OpenSize::of(document, spec, &problem.field));
-    let open_size = open_size.transpose().map_err(BaseEstimationError::from)?;
     let known = KnownFrames {
         start,
         masks: frames
@@ -219,7 +216,7 @@ pub fn estimate_on_paint(
             .map(|frame| document.masks_of(frame))
             .collect(),
         picture: &mut |place: usize| pictures(frames.get(place)?),
-        open_size: open_size.as_ref(),
+        fits_size: size,
         problem,
     };
     let PaintEstimate {
@@ -228,9 +225,10 @@ pub fn estimate_on_paint(
         sizes,
         seen,
     } = known.estimate_base(options, progress)?;
-    let sizes = match open_size {
-        Some(open) => open.fitted_or_assumed(sizes),
-        None => sizes,
+    let sizes = if size {
+        problem.open_size.fitted_or_assumed(sizes)
+    } else {
+        sizes
     };
     Ok(BaseOnPaint {
         estimated: EstimatedBase {

@@ -14,7 +14,7 @@ use super::paint_observations::{
     BaseOnPaintError, KnownCameras, PaintObservations, frames_on_field,
 };
 use super::size_on_paint::{MeasuredFrames, SizingOnPaint};
-use crate::calibrate::field_size::{OpenSize, alone_sigma_m};
+use crate::calibrate::field_size::alone_sigma_m;
 use crate::calibrate::{BaseEstimationError, BaseProblem};
 use touchline_core::geometry::PixelBox;
 use touchline_core::progress::Progress;
@@ -34,8 +34,8 @@ pub(crate) struct KnownFrames<'a> {
     pub masks: Vec<Vec<PixelBox>>,
     /// Reads the picture of a frame of the problem, by its index there; none if it cannot be read.
     pub picture: &'a mut dyn FnMut(usize) -> Option<Picture>,
-    /// What is open of the field's size, where it is fitted as well.
-    pub open_size: Option<&'a OpenSize>,
+    /// Whether the size of the field is fitted as well.
+    pub fits_size: bool,
 }
 
 /// The base estimated from the paint of known frames.
@@ -65,7 +65,7 @@ impl KnownFrames<'_> {
             start: first,
             masks,
             picture,
-            open_size,
+            fits_size,
         } = self;
         let options = &options.clone().with_lens(&problem.lens, problem.image_size);
         // Steps 1 and 2: measure paint from the initial cameras and adjust with the richest model
@@ -84,9 +84,8 @@ impl KnownFrames<'_> {
             seen: again,
             sizes: Vec::new(),
         };
-        if let Some(size) = open_size {
+        if fits_size {
             let sizing = SizingOnPaint {
-                size,
                 model: &model,
                 adjust: &options.adjust,
                 masks: &masks,
@@ -117,6 +116,9 @@ impl KnownFrames<'_> {
             sigma.with_position_error_of(alone_sigma_m(&problem.field))
         };
         estimate.position_covariance = estimate.base.sigma.position_covariance();
+        if !fits_size {
+            problem.state_open_size(&seen.painted, &mut estimate);
+        }
         // For comparison, the errors of the initial base at the same paint, on the field size that
         // it was estimated with.
         let as_first = frames_on_field(&seen.painted, &first_field);

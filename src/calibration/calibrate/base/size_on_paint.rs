@@ -13,7 +13,6 @@
 
 use super::paint_observations::{KnownCameras, PaintObservations};
 use crate::calibrate::BaseProblem;
-use crate::calibrate::field_size::OpenSize;
 use crate::calibrate::field_size::{alone_sigma_m, as_paint_alone_gives};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::PixelBox;
@@ -61,7 +60,6 @@ impl MeasuredFrames {
 
 /// How the size of a field is fitted to the paint of known frames.
 pub(super) struct SizingOnPaint<'a> {
-    pub size: &'a OpenSize,
     pub model: &'a BaseModel,
     pub adjust: &'a AdjustOptions,
     /// For each frame of the problem, the pixels that are not searched for paint.
@@ -114,14 +112,14 @@ impl SizingOnPaint<'_> {
     ) -> Option<MeasuredFrames> {
         let adjusted = cameras.adjust(problem, seen, self.model, self.adjust);
         let from = (&adjusted.base, adjusted.ptz.as_slice());
-        let mut sizes = problem.fit_size(self.size, &seen.painted, from, self.model);
+        let mut sizes = problem.fit_size(&seen.painted, from, self.model);
         if sizes.is_empty() {
             return None;
         }
         if !cameras.by_clicks {
             as_paint_alone_gives(&mut sizes, &problem.field);
         }
-        let field = self.size.field_with(&sizes)?;
+        let field = problem.open_size.field_with(&sizes)?;
         let problem = problem.clone().on_field(field);
         // The cameras belong to the size that they were adjusted with.
         let seen = seen.on_field(&problem.field);

@@ -136,7 +136,12 @@ pub(super) fn track_readable(
         .ok_or_else(|| TrackClipError::NoBase {
             camera: clip.camera.to_string(),
         })?;
-    let camera = ClipCamera::with_lenses(base, known_lenses(at, clip, &base, options));
+    // What is open of the field's size is asked below of the lines that known frames show, and
+    // measured where the clip shows it. It must not count twice.
+    let mut tracked_base = base;
+    tracked_base.sigma.size = Default::default();
+    let lenses = known_lenses(at, clip, &base, options);
+    let camera = ClipCamera::with_lenses(tracked_base, lenses);
     // Pose priors: the frames whose cameras are already known.
     let known = anchors(document, clip, field, &camera);
     if known.is_empty() {

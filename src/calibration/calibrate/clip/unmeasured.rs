@@ -8,19 +8,26 @@ use super::fit::ClipFit;
 use crate::calibrate::field_size::on_lines::{
     FRAMES, LengthOnLines, PosedPicture, measure_length, other_length,
 };
-use crate::calibrate::field_size::unseen::UnseenSize;
-use std::collections::BTreeSet;
-use touchline_core::camera::PtzCamera;
-use touchline_core::geometry::{ImageSize, subsample};
+use crate::calibrate::field_size::unseen::{LINE_SIGMA_PX, SeenLines, TELLING_PX, UnseenSize};
+use std::collections::{BTreeMap, BTreeSet};
+use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::geometry::{ImageSize, Vec3, subsample};
 use touchline_documents::document::Frame;
 use touchline_vision::media::ReadFrames;
-use touchline_vision::paint::GroundPicture;
+use touchline_vision::paint::{GroundPicture, lines_on_paint};
 use touchline_vision::track::{AdjustedClip, AdjustedFrame};
 
-/// Whether a frame's camera says what its picture shows.
-fn is_known(_: usize, frame: &Frame) -> bool {
-    is_anchor(frame)
+/// The lines that the camera of a frame stands for if its picture is not looked at.
+fn seen_unread(_: usize, frame: &Frame) -> Option<SeenLines> {
+    is_anchor(frame).then_some(SeenLines::InPicture)
 }
+
+/// A known camera stands for a line if the median of its paint lies within this many of
+/// [`LINE_SIGMA_PX`] of it.
+const ON_PAINT_SIGMAS: f64 = 2.0;
+
+/// Maximum number of pictures of known frames without clicks that are looked at.
+const MAX_LOOKS: usize = 16;
 
 /// The lengths of a clip's field with their errors.
 #[derive(Default)]
@@ -50,14 +57,24 @@ impl Unmeasured {
             .filter(|(_, verdict)| **verdict == PaintVerdict::Contradicts)
             .filter_map(|(frame, _)| frame.place)
             .collect();
-        let is_right =
-            |place: usize, frame: &Frame| is_anchor(frame) && !contradicted.contains(&place);
+        let right = |place: usize, frame: &Frame| {
+            seen_unread(place, frame).filter(|_| !contradicted.contains(&place))
+        };
         let mut found = Self {
-            sizes: UnseenSize::from_known_frames(at, camera, &is_right)?,
+            sizes: UnseenSize::from_known_frames(at, camera, &right)?,
             lengths: Vec::new(),
         };
         if fit.options.paint_every == 0 {
             return Ok(found);
+        }
+        // Known frames without clicks are believed to show a length only where their paint does.
+        if found.sizes.iter().any(|size| !size.is_open()) {
+            let on_paint = lines_on_paint_of_known(fit, reader)?;
+            let shown = |place: usize, frame: &Frame| match on_paint.get(&place) {
+                Some(lines) => right(place, frame).and(Some(SeenLines::Marked(lines.clone()?))),
+                None => right(place, frame),
+            };
+            found.sizes = UnseenSize::from_known_frames(at, camera, &shown)?;
         }
         let reached: Vec<(usize, AdjustedFrame)> = by_points
             .frames
@@ -86,7 +103,7 @@ impl Unmeasured {
                 continue;
             };
             unseen.take_measured(size.value_m, size.error.sigma_m);
-            let other = other_length(at, &clip.camera, unseen, size, looks.len(), &is_known)?;
+            let other = other_length(at, &clip.camera, unseen, size, looks.len(), &seen_unread)?;
             found.lengths.extend(other);
         }
         Ok(found)
@@ -101,6 +118,39 @@ impl Unmeasured {
     }
 }
 
+/// Of the known frames of a clip without clicks, by their places in the document, the lines that
+/// lie on their paint. Of more than [`MAX_LOOKS`] frames, some are looked at, spread over the
+/// directions of the camera; the others get none.
+fn lines_on_paint_of_known(
+    fit: &ClipFit<'_>,
+    reader: &mut dyn ReadFrames,
+) -> Result<BTreeMap<usize, Option<[Vec<bool>; 2]>>, TrackClipError> {
+    let document = fit.pictures.at.document;
+    let frames = fit.pictures.clip.frames.iter().enumerate();
+    let mut known: Vec<(usize, usize, Ptz)> = frames
+        .filter_map(|(frame, of_clip)| {
+            let place = of_clip.place?;
+            let known = document.frames.get(place)?;
+            let ptz = known.ptz.as_ref()?.ptz();
+            (is_anchor(known) && !known.is_solved_by_clicks()).then_some((frame, place, ptz))
+        })
+        .collect();
+    known.sort_by(|one, other| one.2.pan.radians().total_cmp(&other.2.pan.radians()));
+    let mut on_paint: BTreeMap<_, _> = known.iter().map(|(_, place, _)| (*place, None)).collect();
+    let px = fit.pictures.size.scale_from_1920();
+    for &(frame, place, ptz) in subsample(&known, MAX_LOOKS) {
+        let shown = fit.pictures.read_masked(reader, frame)?;
+        let ground = GroundPicture::new(&shown.picture, &shown.masks);
+        let camera = PtzCamera::new(fit.camera.base_at(frame), ptz);
+        let lines = [Vec3::x(), Vec3::y()].map(|along| {
+            let (telling_px, within_px) = (TELLING_PX * px, ON_PAINT_SIGMAS * LINE_SIGMA_PX * px);
+            lines_on_paint(&ground, fit.field, &camera, (along, telling_px), within_px)
+        });
+        on_paint.insert(place, Some(lines));
+    }
+    Ok(on_paint)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::certainty::{TrackedOverlay, confidence};
@@ -109,7 +159,6 @@ mod tests {
     use std::path::Path;
     use touchline_core::camera::{CameraBase, Ptz};
     use touchline_core::field::builtin;
-    use touchline_core::geometry::Vec3;
     use touchline_core::testing::base_at;
     use touchline_documents::document::{
         Click, Document, FieldSize, FramePtz, FrameStatus, SolutionSource, Target,
@@ -156,7 +205,7 @@ mod tests {
     /// What known frames leave open of the length.
     fn unseen_length(document: &Document) -> UnseenSize {
         let at = document.at(Path::new(""));
-        let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &is_known);
+        let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &seen_unread);
         let mut sizes = sizes.unwrap().into_iter();
         sizes
             .find(|unseen| unseen.param().name == "length_m")
@@ -253,7 +302,7 @@ mod tests {
                 assert_eq!(sure, is_right, "{assumed_m} m, {pan_deg}°: {size:?}");
             }
             let at = document.at(Path::new(""));
-            let other = other_length(at, &"main".into(), &unseen, size, ends.len(), &is_known);
+            let other = other_length(at, &"main".into(), &unseen, size, ends.len(), &seen_unread);
             assert_eq!(other.unwrap().is_some(), !is_right, "{assumed_m} m");
         }
     }
@@ -287,6 +336,26 @@ mod tests {
         assert!(!unseen_length(&document).is_open());
     }
 
+    /// A known camera without clicks stands for the lines that lie on their paint.
+    #[test]
+    fn the_circle_is_seen_only_where_the_paint_shows_it() {
+        let document = known_at(&base(), &[22.0], 104.0);
+        let at = document.at(Path::new(""));
+        let field = at.model_of(&document.field).unwrap();
+        let is_open = |is_seen: &dyn Fn(&str) -> bool| {
+            let marked = field.lines.iter().map(|line| is_seen(line.id.as_str()));
+            let marked: Vec<bool> = marked.collect();
+            let seen =
+                |_: usize, _: &Frame| Some(SeenLines::Marked([marked.clone(), marked.clone()]));
+            let sizes = UnseenSize::from_known_frames(at, &document.cameras[0], &seen).unwrap();
+            sizes
+                .iter()
+                .any(|size| size.param().name == "length_m" && size.is_open())
+        };
+        assert!(!is_open(&|_| true));
+        assert!(is_open(&|line| line.contains("right")));
+    }
+
     /// Where the right end was seen, the camera moves with it.
     #[test]
     fn the_paint_of_the_middle_measures_the_length_and_the_camera_moves_with_the_end_it_saw() {
@@ -306,7 +375,14 @@ mod tests {
             let off_m = (size.value_m - length_m).abs();
             assert!(off_m < 0.5 && off_m < 2.0 * size.error.sigma_m, "{size:?}");
             let at = document.at(Path::new(""));
-            let other = other_length(at, &"main".into(), &unseen, size, middle.len(), &is_known);
+            let other = other_length(
+                at,
+                &"main".into(),
+                &unseen,
+                size,
+                middle.len(),
+                &seen_unread,
+            );
             let other = other.unwrap().expect("another length");
             assert_eq!(other.is_prescribed, stated.is_some());
             take_length(&mut document, &other);

@@ -12,6 +12,7 @@ pub mod unseen;
 pub mod written;
 
 use std::collections::BTreeMap;
+use touchline_core::camera::CameraBase;
 use touchline_core::field::{FieldError, FieldModel, Template};
 use touchline_core::solve::base::{FittedSize, SizeParam, SizeStart, fit_field_size};
 use touchline_documents::document::{DocumentAt, FieldSpec};
@@ -58,13 +59,16 @@ pub(crate) fn as_paint_alone_gives(sizes: &mut [FittedSize], field: &FieldModel)
 }
 
 /// The lengths of a field that its rules do not fix, and the field at other values of them.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(crate) struct OpenSize {
     template: Template,
     params_m: BTreeMap<String, f64>,
     crown_m: f64,
     /// These lengths with their assumed values; empty if the rules fix all.
     pub params: Vec<SizeParam>,
+    /// Whether a person or a file states them. They are then fitted only on request, and nothing
+    /// depends on their errors.
+    pub is_stated: bool,
 }
 
 impl OpenSize {
@@ -78,7 +82,10 @@ impl OpenSize {
         spec: &FieldSpec,
         field: &FieldModel,
     ) -> Result<Self, FieldError> {
-        Ok(Self::new(spec.template(document.folder)?, field))
+        Ok(Self {
+            is_stated: spec.is_size_stated(),
+            ..Self::new(spec.template(document.folder)?, field)
+        })
     }
 
     fn new(template: Template, field: &FieldModel) -> Self {
@@ -104,6 +111,7 @@ impl OpenSize {
             params_m: field.params.clone(),
             crown_m: field.crown_m,
             params,
+            is_stated: false,
         }
     }
 
@@ -114,6 +122,18 @@ impl OpenSize {
             return fitted;
         }
         self.params.iter().map(SizeParam::unseen).collect()
+    }
+
+    /// The error of a base that keeps the lengths of its field as they are: the σ that frames leave of
+    /// each, and what they would have made of it.
+    pub fn as_kept(&self, field: &FieldModel, mut fitted: Vec<FittedSize>) -> Vec<FittedSize> {
+        for size in &mut fitted {
+            if let Some(kept_m) = field.params.get(&size.name) {
+                let off_m = size.value_m - kept_m;
+                size.error.sigma_m = size.error.sigma_m.hypot(off_m);
+            }
+        }
+        fitted
     }
 
     /// Fits them to what frames show, from an approximate base and cameras; the field keeps its
@@ -180,6 +200,13 @@ fn rounded_m(value_m: f64) -> f64 {
 /// If the position changes by less than this with 1 σ of an unknown length, the text does not
 /// mention it, m.
 const WORTH_SAYING_M: f64 = 0.2;
+
+/// Makes the errors of lengths errors of a base.
+pub(super) fn state_errors(base: &mut CameraBase, sizes: &[FittedSize]) {
+    for size in sizes {
+        base.sigma.size[size.axis()] = size.error;
+    }
+}
 
 /// Describes a fitted size: "length 103.40 ± 0.08 m (105 m assumed)".
 pub fn describe_size(size: &FittedSize) -> String {

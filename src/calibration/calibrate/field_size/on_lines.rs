@@ -8,7 +8,7 @@
 //! from tracked points alone: a camera that was aligned to the paint in question, with the assumed
 //! length, has turned by most of the length's error, and confirms what was assumed.
 
-use super::unseen::{UnseenSize, move_base};
+use super::unseen::{SeenLines, UnseenSize, move_base};
 use super::written::set_field_size;
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera, SizeError};
@@ -140,7 +140,7 @@ pub(in crate::calibrate) fn other_length(
     unseen: &UnseenSize,
     size: FittedSize,
     frames: usize,
-    is_known: &dyn Fn(usize, &Frame) -> bool,
+    seen: &dyn Fn(usize, &Frame) -> Option<SeenLines>,
 ) -> Result<Option<LengthOnLines>, FieldError> {
     if (size.value_m - size.assumed_m).abs() <= OTHER_SIGMAS * size.error.sigma_m {
         return Ok(None);
@@ -152,7 +152,7 @@ pub(in crate::calibrate) fn other_length(
         let is_same_length = other_spec.template == spec.template
             && other_spec.params.get(&size.name) == spec.params.get(&size.name);
         if is_same_length {
-            let seen = UnseenSize::from_known_frames(at, other, is_known)?;
+            let seen = UnseenSize::from_known_frames(at, other, seen)?;
             let seen = seen.into_iter().find(|seen| seen.param().name == size.name);
             shifts.extend(seen.map(|seen| (other.id.clone(), seen.base_shift(size.value_m))));
         }

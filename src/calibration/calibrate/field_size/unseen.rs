@@ -17,7 +17,7 @@ use super::OpenSize;
 use super::alone_sigma_m;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::field::{FieldError, FieldLine, FieldModel};
-use touchline_core::geometry::{ImageSize, Vec2, Vec3, median_high, subsample};
+use touchline_core::geometry::{ImageSize, Vec3, median_high, subsample};
 use touchline_core::markings::{SampleOptions, sample_lines};
 use touchline_core::solve::base::{SizeParam, usual_displacement_m};
 use touchline_documents::document::{Camera, DocumentAt, Frame, FrameStatus, Target};
@@ -30,10 +30,10 @@ const ENOUGH_SAMPLES: usize = 6;
 
 /// Samples that move by less along their normal do not show the size, px at 1920 px width per
 /// metre of their line's motion.
-const TELLING_PX: f64 = 4.0;
+pub(in crate::calibrate) const TELLING_PX: f64 = 4.0;
 
 /// 1-σ with which the picture of a known camera shows the position of a line, px at 1920 px width.
-const LINE_SIGMA_PX: f64 = 2.0;
+pub(in crate::calibrate) const LINE_SIGMA_PX: f64 = 2.0;
 
 /// How far a line may likely lie from where the assumed length puts it, as a share of the σ of the
 /// rules: 2.5 m at the end of a soccer pitch, whose length is then 5 m another one.
@@ -48,6 +48,25 @@ const MAX_KNOWN: usize = 200;
 /// The lengths at which the lines in a picture are predicted where a length is open, in σ from the
 /// assumed one: a line may enter the picture only at another length.
 const SIGMAS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// The lines that a known frame stands for.
+pub(in crate::calibrate) enum SeenLines {
+    /// All in its picture.
+    InPicture,
+    /// Those that are marked, of all lines of the field: as far as they show its length, and as far
+    /// as they show its width.
+    Marked([Vec<bool>; 2]),
+}
+
+impl SeenLines {
+    /// Whether it shows how the length (`axis` 0) or the width (1) moves a line.
+    fn shows(&self, line: usize, axis: usize) -> bool {
+        match self {
+            Self::InPicture => true,
+            Self::Marked(lines) => lines[axis].get(line).copied().unwrap_or(false),
+        }
+    }
+}
 
 /// A length of a field as a known camera leaves it, and how the lines of the field move with it.
 pub(in crate::calibrate) struct UnseenSize {
@@ -72,15 +91,16 @@ pub(in crate::calibrate) struct UnseenSize {
 }
 
 impl UnseenSize {
-    /// What the known frames of a camera, by index and frame, leave open of the size of its field.
-    /// Rejected ones say nothing. Empty without a base, or if the rules fix the size.
+    /// What the frames of a camera leave open of the size of its field. `seen` gives, by index and
+    /// frame, the lines that a known frame stands for; of one with clicks, these are the lines with
+    /// clicks. Rejected ones say nothing. Empty without a base, or if the rules fix the size.
     ///
     /// # Errors
     /// The field is not valid.
     pub fn from_known_frames(
         at: DocumentAt<'_>,
         camera: &Camera,
-        is_known: &dyn Fn(usize, &Frame) -> bool,
+        seen: &dyn Fn(usize, &Frame) -> Option<SeenLines>,
     ) -> Result<Vec<Self>, FieldError> {
         let Some(base) = camera.base() else {
             return Ok(Vec::new());
@@ -88,18 +108,12 @@ impl UnseenSize {
         let spec = at.document.field_of_camera(&camera.id);
         let field = at.model_of(spec)?;
         let size = OpenSize::of(at, spec, &field)?;
-        let known = at
-            .document
-            .frames
-            .iter()
-            .enumerate()
-            .filter(|(index, frame)| {
-                frame.camera == camera.id
-                    && frame.status != FrameStatus::Rejected
-                    && is_known(*index, frame)
-            });
+        let frames = at.document.frames.iter().enumerate();
+        let known = frames.filter(|(_, frame)| {
+            frame.camera == camera.id && frame.status != FrameStatus::Rejected
+        });
         let known: Vec<KnownFrame> = known
-            .filter_map(|(_, frame)| KnownFrame::new(frame, &base, &field))
+            .filter_map(|(index, frame)| KnownFrame::new(frame, seen(index, frame)?, &base, &field))
             .collect();
         let known: Vec<_> = subsample(known, MAX_KNOWN).collect();
         let lengths = 0..size.params.len();
@@ -145,11 +159,12 @@ impl UnseenSize {
     fn see_lines(&mut self, field: &FieldModel, known: &[KnownFrame]) {
         // The motion of each line in the picture that shows it best, px at 1920 px width per metre.
         let mut shown = vec![0.0_f64; self.by_line.len()];
+        let axis = usize::from(self.axis.y != 0.0);
         let reach = self.axis * (LIKELY_SHARE * self.param().sigma_m);
         for KnownFrame {
             camera,
             image,
-            clicked,
+            seen,
         } in known
         {
             // A line that the assumed length puts just inside the picture may lie outside it: it is
@@ -160,7 +175,7 @@ impl UnseenSize {
             };
             let mut moves: Vec<Vec<f64>> = vec![Vec::new(); shown.len()];
             for sample in telling_samples(field, camera, *image, self.axis) {
-                let is_shown = clicked.as_ref().is_none_or(|lines| lines[sample.line]);
+                let is_shown = seen.shows(sample.line, axis);
                 if is_shown && is_inside(sample.at - reach) && is_inside(sample.at + reach) {
                     moves[sample.line].push(sample.px_per_m / image.scale_from_1920());
                 }
@@ -298,16 +313,15 @@ impl UnseenSize {
 struct KnownFrame {
     camera: PtzCamera,
     image: ImageSize,
-    /// Of each line of the field whether the clicks that gave the camera are on it; none for a
-    /// camera from elsewhere, which stands for all lines in its picture. Of other lines such a
-    /// frame says nothing: the end that was clicked is right, whatever the length, and the circle
-    /// at the edge of the picture is drawn beside its paint.
-    clicked: Option<Vec<bool>>,
+    /// The lines that it stands for. A frame whose camera comes from clicks says nothing of lines
+    /// without any: the end that was clicked is right, whatever the length, and the circle at the
+    /// edge of the picture is drawn beside its paint.
+    seen: SeenLines,
 }
 
 impl KnownFrame {
     /// None without a camera.
-    fn new(frame: &Frame, base: &CameraBase, field: &FieldModel) -> Option<Self> {
+    fn new(frame: &Frame, seen: SeenLines, base: &CameraBase, field: &FieldModel) -> Option<Self> {
         let places: Vec<Vec3> = frame
             .clicks
             .iter()
@@ -323,11 +337,18 @@ impl KnownFrame {
             let names = |target: &Option<Target>| *target == Some(Target::Line(line.id.clone()));
             targets.any(names) || places.iter().any(on_line)
         };
-        let clicked = || field.lines.iter().map(is_clicked).collect();
+        let clicked = || {
+            let lines: Vec<bool> = field.lines.iter().map(is_clicked).collect();
+            SeenLines::Marked([lines.clone(), lines])
+        };
         Some(Self {
             camera: PtzCamera::new(frame.base_from(base), frame.ptz.as_ref()?.ptz()),
             image: frame.image_size,
-            clicked: frame.is_solved_by_clicks().then(clicked),
+            seen: if frame.is_solved_by_clicks() {
+                clicked()
+            } else {
+                seen
+            },
         })
     }
 }
@@ -356,21 +377,16 @@ fn telling_samples(
     image: ImageSize,
     axis: Vec3,
 ) -> Vec<TellingSample> {
-    const STEP_M: f64 = 0.05;
     let options = SampleOptions {
         spacing_px: SPACING_PX * image.scale_from_1920(),
         ..SampleOptions::default()
     };
     let samples = sample_lines(field, camera, image, &options).into_iter();
-    // The derivative of the image point along the axis, as a forward difference. A motion along the
-    // line cannot be seen, so only its component along the normal counts.
     let moved = samples.filter_map(|sample| {
-        let beside = camera.image_from_world(sample.at + axis * STEP_M).ok()?;
-        let move_px = Vec2::new(beside.x - sample.image.x, beside.y - sample.image.y);
         Some(TellingSample {
             line: sample.line,
             at: sample.at,
-            px_per_m: (move_px.dot(&sample.normal) / STEP_M).abs(),
+            px_per_m: sample.motion_px_per_m(camera, axis)?,
         })
     });
     moved.collect()

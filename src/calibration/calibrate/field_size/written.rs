@@ -1,6 +1,6 @@
 //! Writes an estimated base into a document, with the crown and the fitted size of its field.
 
-use super::rounded_m;
+use super::{rounded_m, state_errors};
 use touchline_core::camera::CameraBase;
 use touchline_core::solve::base::FittedSize;
 use touchline_documents::document::{CameraId, Document, FieldSize, FieldSpec};
@@ -21,9 +21,7 @@ pub(in crate::calibrate) fn write_base(
     };
     // What is open of the size is an error of all that the base draws.
     let mut base = *base;
-    for size in sizes {
-        base.sigma.size[size.axis()] = size.error;
-    }
+    state_errors(&mut base, sizes);
     known.set_base(&base);
     set_field_size(document, camera, sizes);
     if document.field_of_camera(camera).crown_m() != crown_m

@@ -98,6 +98,7 @@ const SUBMENUS: [(&str, &[Command]); 14] = [
             Command::AcceptStretch,
             Command::AcceptShot,
             Command::AcceptAllAbove,
+            Command::Gallery,
             Command::AcceptPlayed,
             Command::StopAtWrong,
             Command::Reject,

@@ -23,7 +23,7 @@ use crate::paint::GroundPicture;
 use std::collections::BTreeMap;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::{ImageSize, median_high};
+use touchline_core::geometry::{ImageSize, Vec3, median_high};
 use touchline_core::markings::{FEWEST_OPEN, LineVerdict};
 
 /// Maximum distance of paint from where the camera predicts it, px at 1920 px width.
@@ -109,12 +109,7 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
     let ground = &*ground_on_field(ground, field, camera);
     let size = ground.size();
     let scale = size.scale_from_1920();
-    let look = SamplingDistances {
-        reach_px: REACH_PX * scale,
-        spacing_px: SPACING_PX * scale,
-        step_px: 1.0,
-    };
-    let sightings = LineObservations::search(ground, field, camera, look);
+    let sightings = observe_lines(ground, field, camera);
     // Distances of the ridges nearest to the predicted lines, and the agreement by a Lorentzian
     // weight.
     let mut offsets = Vec::new();
@@ -168,6 +163,52 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         agreement,
         score: score(agreement, halves_px / scale, open),
     }
+}
+
+/// Of each line of a field, whether a camera draws it onto its paint, as far as a motion of the ground
+/// along a direction (`world`) would show: at least half of its open samples that would move by
+/// `telling_px` for each metre show paint, and the median of their offsets is at most `within_px`.
+/// Lines that are hidden, or not in the picture, are not known to be. Distances are in px of the
+/// picture.
+pub fn lines_on_paint(
+    ground: &GroundPicture,
+    field: &FieldModel,
+    camera: &PtzCamera,
+    (along, telling_px): (Vec3, f64),
+    within_px: f64,
+) -> Vec<bool> {
+    let ground = &*ground_on_field(ground, field, camera);
+    let sightings = observe_lines(ground, field, camera);
+    let mut lines: BTreeMap<usize, (Vec<f64>, usize)> = BTreeMap::new();
+    for (index, sample) in sightings.samples.iter().enumerate() {
+        let moves = sample.motion_px_per_m(camera, along);
+        if moves.is_some_and(|px| px >= telling_px) {
+            let (offsets, bare) = lines.entry(sample.line).or_default();
+            offsets.extend(sightings.nearest(index, 0.0).map(|ridge| ridge.offset_px));
+            *bare += usize::from(sightings.seen[index] == SampleContent::Bare);
+        }
+    }
+    let mut on_paint = vec![false; field.lines.len()];
+    for (line, (mut offsets, bare)) in lines {
+        let is_seen = offsets.len() >= bare.max(1);
+        on_paint[line] = is_seen && median(std::mem::take(&mut offsets)).abs() <= within_px;
+    }
+    on_paint
+}
+
+/// The paint near the lines that a camera predicts.
+fn observe_lines(
+    ground: &GroundPicture,
+    field: &FieldModel,
+    camera: &PtzCamera,
+) -> LineObservations {
+    let scale = ground.size().scale_from_1920();
+    let look = SamplingDistances {
+        reach_px: REACH_PX * scale,
+        spacing_px: SPACING_PX * scale,
+        step_px: 1.0,
+    };
+    LineObservations::search(ground, field, camera, look)
 }
 
 /// The open samples, each by its detectability.
@@ -265,7 +306,6 @@ mod tests {
     use crate::paint::drawn::{PICTURE, SIZE, camera, draw_field, soccer, truth};
     use touchline_core::camera::CameraBase;
     use touchline_core::field::builtin;
-    use touchline_core::geometry::Vec3;
 
     #[test]
     fn the_right_camera_is_supported_and_wrong_ones_are_contradicted() {
@@ -315,6 +355,39 @@ mod tests {
         };
         let check = check_lines(&ground, &shorter, &PtzCamera::new(moved, pointed.ptz()));
         assert!(check.is_of_other_field(), "{check:?}");
+    }
+
+    /// A camera that has moved with the right end draws the circle beside its paint.
+    #[test]
+    fn each_line_is_asked_whether_it_lies_on_its_paint() {
+        let pointed = camera(20.0, -13.0, 1500.0);
+        let field = soccer();
+        let ground = GroundPicture::new(&draw_field(&field, &pointed, SIZE), &[]);
+        let on_paint = |field: &FieldModel, camera: &PtzCamera| -> Vec<String> {
+            let on_paint = lines_on_paint(&ground, field, camera, (Vec3::x(), 2.0), 2.0);
+            let lines = field.lines.iter().zip(on_paint);
+            lines
+                .filter(|(_, is_on_paint)| *is_on_paint)
+                .map(|(line, _)| line.id.as_str().to_owned())
+                .collect()
+        };
+        let right = on_paint(&field, &pointed);
+        let has = |lines: &[String], id: &str| lines.iter().any(|line| line == id);
+        assert!(
+            has(&right, "centre_circle") && has(&right, "goal_line_right"),
+            "{right:?}"
+        );
+        assert!(!has(&right, "goal_line_left"), "it is not in the picture");
+        // The length is off by 1 m, so the circle by 0.5 m.
+        let sizes = [("length_m".to_owned(), field.length_m - 1.0)].into();
+        let shorter = builtin("soccer").unwrap().model(&sizes, 0.1).unwrap();
+        let base = CameraBase {
+            position_m: pointed.base().position_m - Vec3::new(0.5, 0.0, 0.0),
+            ..*pointed.base()
+        };
+        let beside = on_paint(&shorter, &PtzCamera::new(base, pointed.ptz()));
+        assert!(!has(&beside, "centre_circle"), "{beside:?}");
+        assert!(has(&beside, "goal_line_right"), "{beside:?}");
     }
 
     #[test]

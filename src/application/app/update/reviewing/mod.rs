@@ -4,6 +4,7 @@
 
 mod doubt;
 mod frames;
+mod gallery;
 mod proposals;
 mod quality;
 mod review;

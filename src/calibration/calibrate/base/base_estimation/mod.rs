@@ -9,7 +9,7 @@ mod with_size;
 
 use super::own_cameras::cameras_from_lines;
 use crate::calibrate::base_readiness::LANDMARKS_ALONE;
-use crate::calibrate::observations;
+use crate::calibrate::{OpenSize, observations};
 pub use estimated_base::EstimatedBase;
 pub use landmark_fit::LandmarkFit;
 pub use misnamed::Misnamed;
@@ -68,6 +68,8 @@ pub struct BaseProblem {
     pub clicks: Vec<FrameClicks>,
     pub(in crate::calibrate) image_size: ImageSize,
     pub(in crate::calibrate) principal_point: ImagePoint,
+    /// What is open of the field's size.
+    pub(in crate::calibrate) open_size: OpenSize,
     /// The lens as the document states it.
     pub(super) lens: StatedLens,
     pub(super) previous: Option<CameraBase>,
@@ -101,7 +103,7 @@ impl BaseProblem {
     /// Frames of a camera, by their indices in the document, without any clicks.
     pub(crate) fn without_clicks(
         camera: &Camera,
-        field: FieldModel,
+        (field, open_size): (FieldModel, OpenSize),
         base: &CameraBase,
         frames: Vec<usize>,
     ) -> Self {
@@ -115,6 +117,7 @@ impl BaseProblem {
         Self {
             camera: camera.id.clone(),
             field,
+            open_size,
             frames,
             clicks,
             image_size: camera.image_size,
@@ -135,7 +138,9 @@ impl BaseProblem {
             .ok_or_else(|| BaseEstimationError::UnknownCamera {
                 camera: camera.as_str().to_owned(),
             })?;
-        let field = document.model_of(document.field_of_camera(camera))?;
+        let spec = document.field_of_camera(camera);
+        let field = document.model_of(spec)?;
+        let open_size = OpenSize::of(document, spec, &field)?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
         for (index, frame) in document.frames.iter().enumerate() {
             // Frames of another picture size cannot share the camera's lens and principal point. A
@@ -164,6 +169,7 @@ impl BaseProblem {
         Ok(Self {
             camera: camera.clone(),
             field,
+            open_size,
             frames,
             clicks,
             image_size: known.image_size,
@@ -196,7 +202,10 @@ impl BaseProblem {
         let found = self.estimate_as_named(document, options, progress);
         match self.find_misnaming(document, found.as_ref(), options) {
             Some(names) => Err(BaseEstimationError::Misnamed(names)),
-            None => found,
+            None => found.map(|mut found| {
+                self.state_open_size(&self.clicks, &mut found.estimate);
+                found
+            }),
         }
     }
 

@@ -2,10 +2,11 @@
 
 use super::*;
 use std::path::Path;
+use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Mat3, Vec3};
 use touchline_core::solve::base::{DisputedClick, ModelReason};
-use touchline_core::testing::{SIZE, turned_base};
-use touchline_documents::document::{Click, FrameStatus, Solution};
+use touchline_core::testing::{SIZE, ground_landmarks, soccer, turned_base};
+use touchline_documents::document::{Click, FieldSize, FrameStatus, Solution};
 use touchline_documents::testing::match_from;
 use touchline_documents::testing::{new_frame, ptz_at};
 
@@ -99,4 +100,45 @@ fn clicks_that_changed_after_the_estimation_are_not_disputed() {
     estimated.mark_disputes(&mut document);
     let solution = document.frames[0].solution.as_ref().unwrap();
     assert!(solution.disputed.is_empty());
+}
+
+/// A match clicked exactly at some pans, with all landmarks of the ground in view.
+fn clicked_at(pans_deg: &[f64], focal_px: f64) -> Document {
+    let mut document = match_from(&base(0.0), SIZE);
+    let field = soccer();
+    for pan_deg in pans_deg {
+        let mut frame = new_frame(&format!("{pan_deg}.jpg"), SIZE);
+        let camera = PtzCamera::new(base(0.0), Ptz::from_degrees(*pan_deg, -13.0, focal_px));
+        frame.clicks = ground_landmarks(&field, &camera)
+            .filter(|(_, _, at)| SIZE.contains(*at))
+            .map(|(_, landmark, at)| Click::landmark(landmark.id.clone(), at))
+            .collect();
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+/// A base on an assumed size knows what its clicks leave open of it, without being asked to fit it.
+#[test]
+fn a_base_on_an_assumed_size_states_what_its_frames_leave_open_of_it() {
+    let length_sigma_m = |document: &Document| {
+        let found = problem(document).unwrap().estimate(
+            document,
+            &BaseOptions::default(),
+            &Progress::default(),
+        );
+        let found = found.unwrap();
+        assert_eq!(found.sizes, [], "the size was not fitted");
+        let mut written = document.clone();
+        found.write_camera(&mut written);
+        let [length, _] = written.cameras[0].base().unwrap().sigma.size;
+        length.sigma_m
+    };
+    let middle = clicked_at(&[-6.0, -2.0, 2.0, 6.0], 3600.0);
+    let both_ends = clicked_at(&[-36.0, -18.0, 0.0, 18.0, 36.0], 2600.0);
+    let (open_m, seen_m) = (length_sigma_m(&middle), length_sigma_m(&both_ends));
+    assert!(open_m > 3.0 && seen_m < 0.5, "{open_m} {seen_m}");
+    let mut stated = middle;
+    stated.field.size = Some(FieldSize::Confirmed);
+    assert_eq!(length_sigma_m(&stated), 0.0);
 }

@@ -1,12 +1,13 @@
 //! The base estimated together with the size of the field.
 
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
-use crate::calibrate::field_size::OpenSize;
+use crate::calibrate::field_size::state_errors;
 use crate::calibrate::field_size::written::set_field_size;
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
-    AdjustOptions, BaseModel, BaseOptions, BaseProgress, FittedSize, FrameClicks, SizeStart,
+    AdjustOptions, BaseEstimate, BaseModel, BaseOptions, BaseProgress, FittedSize, FrameClicks,
+    SizeStart,
 };
 use touchline_documents::document::DocumentAt;
 
@@ -24,18 +25,8 @@ impl BaseProblem {
         progress: &Progress<'_, BaseProgress>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let found = self.estimate(&document, options, progress)?;
-        // The size is fitted from there with the same lens model.
-        let ptz: Vec<_> = found
-            .estimate
-            .frames
-            .iter()
-            .map(|fit| fit.map(|fit| fit.ptz))
-            .collect();
-        let model = &found.estimate.model;
-        let spec = document.field_of_camera(&self.camera);
-        let open = OpenSize::of(document, spec, &self.field)?;
-        let fitted = self.fit_size(&open, &self.clicks, (&found.estimate.base, &ptz), model);
-        let sizes = open.fitted_or_assumed(fitted);
+        let fitted = self.fit_size_to(&self.clicks, &found.estimate);
+        let sizes = self.open_size.fitted_or_assumed(fitted);
         // Where the frames show no length, the field and with it the base stay as they are.
         if sizes.iter().all(|size| size.is_open) {
             return Ok(EstimatedBase { sizes, ..found });
@@ -48,17 +39,37 @@ impl BaseProblem {
         Ok(EstimatedBase { sizes, ..found })
     }
 
+    /// What is open of the size of its field, as an error of a base that keeps it. A base on an
+    /// assumed size draws what its frames do not show where the usual field has it.
+    pub(in crate::calibrate) fn state_open_size(
+        &self,
+        frames: &[FrameClicks],
+        estimate: &mut BaseEstimate,
+    ) {
+        if !self.open_size.is_stated {
+            let fitted = self.fit_size_to(frames, estimate);
+            let kept = self.open_size.as_kept(&self.field, fitted);
+            state_errors(&mut estimate.base, &kept);
+        }
+    }
+
+    /// Fits the open lengths from an estimate, with its lens model.
+    fn fit_size_to(&self, frames: &[FrameClicks], estimate: &BaseEstimate) -> Vec<FittedSize> {
+        let cameras = estimate.frames.iter();
+        let ptz: Vec<Option<Ptz>> = cameras.map(|fit| fit.map(|fit| fit.ptz)).collect();
+        self.fit_size(frames, (&estimate.base, &ptz), &estimate.model)
+    }
+
     /// Fits the open lengths of the field to what the frames show, from an approximate base and
     /// cameras. Empty if the template leaves no choice or the fit fails.
     pub(in crate::calibrate) fn fit_size(
         &self,
-        open: &OpenSize,
         frames: &[FrameClicks],
         (base, ptz): (&CameraBase, &[Option<Ptz>]),
         model: &BaseModel,
     ) -> Vec<FittedSize> {
         let options = AdjustOptions::default().with_lens(&self.lens, self.image_size);
-        open.fit(&SizeStart {
+        self.open_size.fit(&SizeStart {
             field: &self.field,
             frames,
             base,
