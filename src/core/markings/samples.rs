@@ -54,13 +54,13 @@ impl LineSample {
     }
 
     /// How far the line moves in the picture, along its normal, for each metre that the ground under
-    /// it moves along a direction, px per m. A motion along the line itself cannot be seen. None
-    /// where the camera does not see it.
+    /// it moves along a direction, px per m; negative against the normal. A motion along the line
+    /// itself cannot be seen. None where the camera does not see it.
     pub fn motion_px_per_m(&self, camera: &PtzCamera, along: Vec3) -> Option<f64> {
         const STEP_M: f64 = 0.05;
         let beside = camera.image_from_world(self.at + along * STEP_M).ok()?;
         let moved_px = Vec2::new(beside.x - self.image.x, beside.y - self.image.y);
-        Some((moved_px.dot(&self.normal) / STEP_M).abs())
+        Some(moved_px.dot(&self.normal) / STEP_M)
     }
 }
 

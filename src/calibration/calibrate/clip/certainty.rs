@@ -55,7 +55,7 @@ const AT_MOST: f64 = 0.99;
 
 /// Factor on the confidence where the paint contradicts the camera, or where the two directions of
 /// propagation disagree.
-const CONTRADICTED: f64 = 0.3;
+pub(super) const CONTRADICTED: f64 = 0.3;
 
 /// The verdict of the painted lines on a frame's camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

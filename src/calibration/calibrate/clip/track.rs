@@ -4,7 +4,7 @@
 
 use super::anchors::anchors;
 use super::certainty::{
-    BaseWitnesses, DIFFER_PX, PaintVerdict, TrackedOverlay, confidence, with_common,
+    BaseWitnesses, CONTRADICTED, DIFFER_PX, PaintVerdict, TrackedOverlay, confidence, with_common,
     with_unseen_lines,
 };
 use super::error::TrackClipError;
@@ -215,10 +215,14 @@ pub(super) fn track_readable(
         raw_jitter: Jitter::measure(&raw).filter(|_| options.smooth),
     };
     let witnesses = BaseWitnesses::new(raw.iter().copied().zip(&paint), size);
-    // No tracked frame is more certain than the most certain prior.
+    // No tracked frame is more certain than the most certain prior. A prior that the paint
+    // contradicts in its own frame counts as such a frame does.
     let certain = known
         .iter()
-        .map(|(_, confidence)| *confidence)
+        .map(|(anchor, confidence)| match paint[anchor.frame] {
+            PaintVerdict::Contradicts => CONTRADICTED * confidence,
+            PaintVerdict::Agrees | PaintVerdict::Silent => *confidence,
+        })
         .fold(0.0, f64::max);
     for (frame, of_clip) in clip.frames.iter().enumerate() {
         let Some((place, document_frame)) = of_clip

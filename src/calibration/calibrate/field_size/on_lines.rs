@@ -72,7 +72,8 @@ pub(in crate::calibrate) fn measure_length(
     unseen: &UnseenSize,
     looks: &[PosedPicture],
 ) -> Option<FittedSize> {
-    if looks.len() < MIN_FRAMES {
+    // A base that goes with nothing cannot be moved to what it has seen.
+    if looks.len() < MIN_FRAMES || !unseen.is_base_held() {
         return None;
     }
     // Coarse search. The score of a length is the mean over the frames.

@@ -82,6 +82,8 @@ pub(in crate::calibrate) struct UnseenSize {
     by_line: Vec<f64>,
     /// The same of what the known cameras have seen, and with it of the base.
     by_seen: f64,
+    /// Whether they have seen any line that moves. If not, nobody knows with what the base goes.
+    is_base_held: bool,
     /// 1-σ of the length from the rules and from what the known cameras have seen, m.
     sigma_m: f64,
     /// Root mean square of the error of the assumed length, m.
@@ -139,6 +141,7 @@ impl UnseenSize {
             axis,
             by_line: Vec::new(),
             by_seen: 0.0,
+            is_base_held: false,
             sigma_m,
             error_m,
             likely: Vec::new(),
@@ -196,7 +199,8 @@ impl UnseenSize {
             })
             .collect();
         let sum: f64 = weighted.iter().map(|(weight, _)| weight).sum();
-        if sum > 0.0 {
+        self.is_base_held = sum > 0.0;
+        if self.is_base_held {
             self.by_seen = weighted.iter().map(|(weight, by)| weight * by).sum::<f64>() / sum;
         }
         let information: f64 = weighted
@@ -210,6 +214,11 @@ impl UnseenSize {
     /// The length as a parameter of the field.
     pub fn param(&self) -> &SizeParam {
         &self.size.params[self.index]
+    }
+
+    /// Whether the known cameras have seen a part of the field with which the base goes.
+    pub const fn is_base_held(&self) -> bool {
+        self.is_base_held
     }
 
     /// Whether the known cameras leave the length open.
@@ -386,7 +395,7 @@ fn telling_samples(
         Some(TellingSample {
             line: sample.line,
             at: sample.at,
-            px_per_m: sample.motion_px_per_m(camera, axis)?,
+            px_per_m: sample.motion_px_per_m(camera, axis)?.abs(),
         })
     });
     moved.collect()

@@ -166,10 +166,11 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
 }
 
 /// Of each line of a field, whether a camera draws it onto its paint, as far as a motion of the ground
-/// along a direction (`world`) would show: at least half of its open samples that would move by
-/// `telling_px` for each metre show paint, and the median of their offsets is at most `within_px`.
-/// Lines that are hidden, or not in the picture, are not known to be. Distances are in px of the
-/// picture.
+/// along a direction (`world`) would show: at least half of its open samples show paint, and the
+/// median of their displacements along that direction is at most `within_px` where the line would
+/// move most. Only samples that would move at least half as much count, and only lines that move by
+/// `telling_px` for each metre. Lines that are hidden, or not in the picture, are not known to be on
+/// their paint. Distances are in px of the picture.
 pub fn lines_on_paint(
     ground: &GroundPicture,
     field: &FieldModel,
@@ -179,21 +180,31 @@ pub fn lines_on_paint(
 ) -> Vec<bool> {
     let ground = &*ground_on_field(ground, field, camera);
     let sightings = observe_lines(ground, field, camera);
-    let mut lines: BTreeMap<usize, (Vec<f64>, usize)> = BTreeMap::new();
-    for (index, sample) in sightings.samples.iter().enumerate() {
-        let moves = sample.motion_px_per_m(camera, along);
-        if moves.is_some_and(|px| px >= telling_px) {
-            let (offsets, bare) = lines.entry(sample.line).or_default();
-            offsets.extend(sightings.nearest(index, 0.0).map(|ridge| ridge.offset_px));
-            *bare += usize::from(sightings.seen[index] == SampleContent::Bare);
+    let samples = sightings.samples.iter();
+    let motions = samples.map(|sample| sample.motion_px_per_m(camera, along).unwrap_or(0.0));
+    let motions: Vec<f64> = motions.collect();
+    let mut largest = vec![0.0_f64; field.lines.len()];
+    for (sample, motion) in sightings.samples.iter().zip(&motions) {
+        largest[sample.line] = largest[sample.line].max(motion.abs());
+    }
+
+    // The displacement along the direction that the ridge of each sample stands for, m.
+    let mut displaced_m: Vec<Vec<f64>> = vec![Vec::new(); field.lines.len()];
+    let mut bare = vec![0; field.lines.len()];
+    for (index, (sample, motion)) in sightings.samples.iter().zip(&motions).enumerate() {
+        if motion.abs() >= 0.5 * largest[sample.line].max(telling_px) {
+            let ridge = sightings.nearest(index, 0.0);
+            displaced_m[sample.line].extend(ridge.map(|ridge| ridge.offset_px / motion));
+            bare[sample.line] += usize::from(sightings.seen[index] == SampleContent::Bare);
         }
     }
-    let mut on_paint = vec![false; field.lines.len()];
-    for (line, (mut offsets, bare)) in lines {
-        let is_seen = offsets.len() >= bare.max(1);
-        on_paint[line] = is_seen && median(std::mem::take(&mut offsets)).abs() <= within_px;
-    }
-    on_paint
+    let lines = displaced_m.into_iter().zip(bare).zip(largest);
+    lines
+        .map(|((displaced_m, bare), largest)| {
+            let is_seen = largest >= telling_px && displaced_m.len() >= bare.max(1);
+            is_seen && median(displaced_m).abs() * largest <= within_px
+        })
+        .collect()
 }
 
 /// The paint near the lines that a camera predicts.
