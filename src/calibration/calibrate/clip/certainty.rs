@@ -55,7 +55,7 @@ const AT_MOST: f64 = 0.99;
 
 /// Factor on the confidence where the paint contradicts the camera, or where the two directions of
 /// propagation disagree.
-pub(super) const CONTRADICTED: f64 = 0.3;
+const CONTRADICTED: f64 = 0.3;
 
 /// The verdict of the painted lines on a frame's camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,7 +131,33 @@ pub(super) fn confidence(overlay: &TrackedOverlay, size: ImageSize) -> f64 {
     right.min(AT_MOST) * if is_contradicted { CONTRADICTED } else { 1.0 }
 }
 
+/// The confidence of the most certain of known cameras. One that the paint contradicts in its own
+/// frame counts as such a frame does.
+pub(super) fn most_certain(known: impl Iterator<Item = (f64, PaintVerdict)>) -> f64 {
+    known
+        .map(|(confidence, paint)| match paint {
+            PaintVerdict::Contradicts => CONTRADICTED * confidence,
+            PaintVerdict::Agrees | PaintVerdict::Silent => confidence,
+        })
+        .fold(0.0, f64::max)
+}
+
 /// The probability that an error with a Rayleigh distribution is at most `px`; 1 for σ = 0.
 fn right_within(px: f64, sigma_px: f64) -> f64 {
     1.0 - (-0.5 * (px / sigma_px).powi(2)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_cameras_that_their_paint_contradicts_make_nothing_certain() {
+        use PaintVerdict::{Agrees, Contradicts, Silent};
+        let of = |verdicts: &[PaintVerdict]| most_certain(verdicts.iter().map(|it| (1.0, *it)));
+        assert_eq!(of(&[Contradicts, Contradicts]), CONTRADICTED);
+        assert_eq!(of(&[Contradicts, Silent]), 1.0);
+        assert_eq!(of(&[Agrees]), 1.0);
+        assert_eq!(of(&[]), 0.0);
+    }
 }

@@ -4,7 +4,7 @@
 
 use super::anchors::anchors;
 use super::certainty::{
-    BaseWitnesses, CONTRADICTED, DIFFER_PX, PaintVerdict, TrackedOverlay, confidence, with_common,
+    BaseWitnesses, DIFFER_PX, PaintVerdict, TrackedOverlay, confidence, most_certain, with_common,
     with_unseen_lines,
 };
 use super::error::TrackClipError;
@@ -215,15 +215,8 @@ pub(super) fn track_readable(
         raw_jitter: Jitter::measure(&raw).filter(|_| options.smooth),
     };
     let witnesses = BaseWitnesses::new(raw.iter().copied().zip(&paint), size);
-    // No tracked frame is more certain than the most certain prior. A prior that the paint
-    // contradicts in its own frame counts as such a frame does.
-    let certain = known
-        .iter()
-        .map(|(anchor, confidence)| match paint[anchor.frame] {
-            PaintVerdict::Contradicts => CONTRADICTED * confidence,
-            PaintVerdict::Agrees | PaintVerdict::Silent => *confidence,
-        })
-        .fold(0.0, f64::max);
+    // No tracked frame is more certain than the most certain prior.
+    let certain = most_certain(known.iter().map(|(anchor, of)| (*of, paint[anchor.frame])));
     for (frame, of_clip) in clip.frames.iter().enumerate() {
         let Some((place, document_frame)) = of_clip
             .place
