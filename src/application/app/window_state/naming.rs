@@ -11,6 +11,7 @@
 //! | the base, and a neighbouring frame's camera | by the distance that this camera predicts |
 //! | the base, and cameras of other shots | by the smallest distance that these predict |
 //! | clicks in neighbouring frames | by the distance from where the same name was clicked |
+//! | the base, and painted lines around the click | by how the landmark looks from there (`corner_looks.rs`) |
 //! | none of these | by how precisely a landmark can be clicked |
 //!
 //! # Scores
@@ -20,6 +21,7 @@
 //! by one kind of evidence, except landmarks that no other shot shows: these fall back to clicks in
 //! neighbouring frames.
 
+use super::corner_looks::CornerLooks;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::geometry::{Angle, AngleRange, ImagePoint, ImageSize, Vec3};
@@ -34,6 +36,7 @@ const NEAR_PX: f64 = 16.0;
 const OTHER_SHOTS_MOTION: f64 = 1.0;
 const NEIGHBOUR_DISTANCE: f64 = 2.0;
 const OTHER_SHOTS_DISTANCE: f64 = 4.0;
+const LOOKS: f64 = 500.0;
 const NO_EVIDENCE: f64 = 1e3;
 const NO_EVIDENCE_FOR_LINE: f64 = 1e6;
 
@@ -84,6 +87,8 @@ pub struct NamingScene<'a> {
     pub other_shots: &'a [Ptz],
     /// Named clicks of the nearest labelled frames.
     pub neighbour_clicks: &'a [NeighbourClick],
+    /// How the clicked spot looks, if the picture was looked at.
+    pub looks: Option<&'a CornerLooks>,
 }
 
 /// A name that another click of the frame has.
@@ -262,8 +267,17 @@ fn rank_landmark(scene: &NamingScene<'_>, landmark: &Landmark, at: ImagePoint) -
     }
     let target = Target::Landmark(landmark.id.clone());
     let score = score_by_neighbour_clicks(scene, &target, at)
+        .or_else(|| Some(LOOKS + unlikeness(scene, landmark, at)?))
         .unwrap_or(NO_EVIDENCE + landmark.click_sigma_px);
     Ranking::implausible(score)
+}
+
+/// How unlike the clicked spot a landmark looks from the base. Of those that look alike, the one
+/// that can be clicked more precisely is the likelier choice.
+fn unlikeness(scene: &NamingScene<'_>, landmark: &Landmark, at: ImagePoint) -> Option<f64> {
+    let (looks, base) = (scene.looks?, scene.base?);
+    let unlike = looks.unlikeness(scene.field, landmark, base, scene.image_size, at)?;
+    Some(unlike + 1e-3 * landmark.click_sigma_px)
 }
 
 /// Ranks a landmark by the camera that results if it is the second point of the frame: a wrong name
