@@ -212,6 +212,7 @@ fn circle_crossings(from: Vec2, to: Vec2, radius: f64) -> impl Iterator<Item = V
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
     use touchline_core::field::builtin;
     use touchline_core::testing::{SIZE, base_at};
 
@@ -242,7 +243,7 @@ mod tests {
     fn the_clicked_corner_is_among_the_three_names_that_look_most_like_it() {
         let field = builtin("soccer")
             .unwrap()
-            .model(&Default::default(), 0.0)
+            .model(&BTreeMap::new(), 0.0)
             .unwrap();
         let base = base_at([0.0, -66.0, 18.0], SIZE);
         let views = [
