@@ -192,8 +192,9 @@ fn a_video_cut_off_is_read_as_far_as_it_goes() {
         // How many frames are left depends on the encoder.
         let frames = Video::open(&path).unwrap().info().decoded_frames;
         assert!((1..80).contains(&frames), "{name}: {frames}");
-        let notice =
-            format!("{name} states 100 frames, {frames} decode. Numbering follows decoded frames.");
+        let notice = format!(
+            "{name} announces 100 frames; only {frames} can be decoded. Frames are numbered as decoded."
+        );
         assert_eq!(
             outcome_of(folder, name, &path),
             format!("read, {frames} frames; {notice}")

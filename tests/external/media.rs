@@ -504,8 +504,9 @@ fn a_video_cut_off_ends_where_it_is_cut() {
     let video = assert_numbers_hold(&path, 20);
     let decoded = video.info().decoded_frames;
     assert!((40..120).contains(&decoded), "{decoded}");
-    let expected =
-        format!("half.mp4 states 150 frames, {decoded} decode. Numbering follows decoded frames.");
+    let expected = format!(
+        "half.mp4 announces 150 frames; only {decoded} can be decoded. Frames are numbered as decoded."
+    );
     assert_eq!(video.info().notices[0].to_string(), expected);
 }
 
@@ -779,6 +780,8 @@ fn a_match_states_825_frames_and_has_817() {
             .iter()
             .map(ToString::to_string)
             .collect::<Vec<_>>(),
-        ["match.mp4 states 825 frames, 817 decode. Numbering follows decoded frames."]
+        [
+            "match.mp4 announces 825 frames; only 817 can be decoded. Frames are numbered as decoded."
+        ]
     );
 }

@@ -338,6 +338,35 @@ fn a_folder_of_sources_is_read_at_a_glance() {
 }
 
 #[test]
+fn the_window_has_three_sizes_of_type_and_they_are_stated_in_one_place() {
+    let sizes = [
+        "FontId::proportional(",
+        "FontId::monospace(",
+        "FontId::new(",
+        ".size(",
+    ];
+    let mut written = Vec::new();
+    for (file, text) in sources(&["src"]) {
+        if !file.starts_with("src/ui") || file.starts_with("src/ui/controls/theme") {
+            continue;
+        }
+        for (line, code) in text.lines().enumerate() {
+            let is_number = |start: &str| {
+                let after = code.split(start).skip(1);
+                after
+                    .into_iter()
+                    .any(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+            };
+            // The size of a spinner is no size of type.
+            if sizes.into_iter().any(is_number) && !code.contains("Spinner") {
+                written.push(format!("{}:{}: {}", file.display(), line + 1, code.trim()));
+            }
+        }
+    }
+    assert_none(&written);
+}
+
+#[test]
 fn statics_that_change_are_on_the_list() {
     assert_none(&unlisted_statics(&sources(&CRATES), STATICS));
 }

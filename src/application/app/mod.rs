@@ -62,7 +62,7 @@ pub use trainer::{
 pub use update::MAX_SCALE;
 pub use window_state::choices::{CameraChoice, MaskList, MaskScope};
 pub use window_state::session::{Question, Tool};
-pub use window_state::{naming, place, reclick, session, video};
+pub use window_state::{corner_looks, naming, place, reclick, session, video};
 
 use operation::{Report, RequestId};
 use operations::{ForeignLabels, Operations};

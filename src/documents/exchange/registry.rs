@@ -30,7 +30,7 @@ pub enum Codec {
 /// The document itself.
 const DATASET: About = About {
     name: "json",
-    title: "a dataset: one file of the document's own schema",
+    title: "touchline's own format: everything in one JSON file",
     conventions: "world: origin at the field's centre, x right, y away, z up, m; degrees; pixels from the corner",
     users: "this program, touchline_dataset.py (numpy)",
     loses: Some("nothing"),

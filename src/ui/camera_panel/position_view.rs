@@ -3,7 +3,7 @@
 
 use super::section;
 use crate::ui::Panel;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
     vec2,
@@ -134,7 +134,7 @@ fn from_above(
         rect.left_bottom(),
         Align2::LEFT_BOTTOM,
         text,
-        FontId::proportional(11.0),
+        FontId::proportional(theme::SMALL),
         painter.palette().caution,
     );
 }
@@ -168,7 +168,7 @@ fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
         pos2(x, rect.bottom()),
         Align2::CENTER_BOTTOM,
         text,
-        FontId::proportional(11.0),
+        FontId::proportional(theme::SMALL),
         painter.palette().text,
     );
 }

@@ -1,6 +1,6 @@
 //! A row of a list with a name, a bar of proportional length, and a number.
 
-use super::theme::Themed as _;
+use super::theme::{self, Themed as _};
 use crate::ui::drawing::labels::lay_out_within;
 use egui::{
     Align2, Color32, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo,
@@ -82,7 +82,7 @@ impl Bar<'_> {
             number,
             Align2::RIGHT_CENTER,
             self.value,
-            FontId::proportional(12.0),
+            FontId::proportional(theme::SMALL),
             ui.palette().text,
         );
         let bar_left = right - NUMBER - self.width;
@@ -90,7 +90,7 @@ impl Bar<'_> {
         let galley = lay_out_within(
             painter,
             self.name.to_owned(),
-            FontId::proportional(12.0),
+            FontId::proportional(theme::SMALL),
             ui.palette().text,
             name.width() - 4.0,
         );

@@ -20,7 +20,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "About", vec2(480.0, 420.0), |panel, ui| {
         ui.label(
             RichText::new(format!("touchline {}", env!("CARGO_PKG_VERSION")))
-                .size(20.0)
+                .size(theme::TITLE)
                 .color(ui.palette().strong),
         );
         ui.label("Calibrates a pan-tilt-zoom sports camera from two clicks.");

@@ -204,7 +204,7 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
         );
     }
     let line = place.bottom() - CAPTION / 2.0;
-    let small = FontId::proportional(11.0);
+    let small = FontId::proportional(theme::SMALL);
     let painter = ui.painter();
     painter.text(
         egui::pos2(place.left() + 1.0, line),

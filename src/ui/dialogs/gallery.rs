@@ -194,7 +194,7 @@ fn cell(
 }
 
 fn font() -> FontId {
-    FontId::proportional(12.0)
+    FontId::proportional(theme::SMALL)
 }
 
 /// Writes a text that wraps.

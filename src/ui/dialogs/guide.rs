@@ -86,7 +86,7 @@ fn show_line(ui: &mut Ui, line: &str) {
         ui.add_space(theme::SPACE);
         ui.label(
             RichText::new(heading)
-                .size(15.0)
+                .size(theme::BODY)
                 .strong()
                 .color(ui.palette().strong),
         );
@@ -180,7 +180,7 @@ fn laid_out(palette: &Palette, text: &str) -> LayoutJob {
         job.append(
             shown,
             0.0,
-            TextFormat::simple(FontId::new(13.0, family), colour),
+            TextFormat::simple(FontId::new(theme::BODY, family), colour),
         );
     }
     job

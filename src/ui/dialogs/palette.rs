@@ -71,7 +71,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
     let field = TextEdit::singleline(&mut state.typed)
         .hint_text("Type what you want to do")
         .desired_width(f32::INFINITY)
-        .font(FontId::proportional(15.0))
+        .font(FontId::proportional(theme::BODY))
         .margin(Margin::symmetric(8, 6));
     let response = ui
         .add(field)
@@ -191,7 +191,7 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
         pos2(rect.left() + 8.0, middle),
         Align2::LEFT_CENTER,
         command.name(),
-        FontId::proportional(13.5),
+        FontId::proportional(theme::BODY),
         name,
     );
     let key = app.settings.keys.key_label(command);
@@ -199,7 +199,7 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
         pos2(rect.right() - 8.0, middle),
         Align2::RIGHT_CENTER,
         key,
-        FontId::monospace(12.0),
+        FontId::monospace(theme::SMALL),
         ui.palette().text,
     );
     // Beside the name: its menu, or why it is not available, cut where the key begins.
@@ -208,7 +208,7 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
     let galley = lay_out_within(
         painter,
         beside.to_owned(),
-        FontId::proportional(11.0),
+        FontId::proportional(theme::SMALL),
         ui.palette().weak,
         (key.left() - 10.0 - left).max(0.0),
     );

@@ -140,7 +140,7 @@ fn card(
         at,
         Align2::CENTER_TOP,
         sport,
-        FontId::proportional(12.0),
+        FontId::proportional(theme::SMALL),
         ui.palette().strong,
     );
     let at = at + vec2(0.0, NAME / 2.0 - 2.0);
@@ -148,12 +148,12 @@ fn card(
         at,
         Align2::CENTER_TOP,
         rules.trim_end_matches(')'),
-        FontId::proportional(11.0),
+        FontId::proportional(theme::SMALL),
         ui.palette().text,
     );
     if guessed {
         let style = PlateStyle::new(
-            FontId::proportional(11.0),
+            FontId::proportional(theme::SMALL),
             ui.palette().on_accent,
             ui.palette().accent,
         );

@@ -3,7 +3,7 @@
 
 use crate::ui::Panel;
 use crate::ui::controls::symbol::{self, Symbol};
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{
     Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,
     WidgetInfo, vec2,
@@ -124,7 +124,7 @@ fn button(
     }
     // Word and symbol are centred together: the symbol with its gap takes 24 points, so the word
     // goes to the left by half of that.
-    let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(16.0), text);
+    let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(theme::TITLE), text);
     let beside = if sign.is_some() {
         vec2(12.0, 0.0)
     } else {

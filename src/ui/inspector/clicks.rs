@@ -111,7 +111,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
     let colour = colour(app, index, click);
     let painter = ui.painter().clone();
     let middle = rect.center().y;
-    let small = FontId::proportional(12.0);
+    let small = FontId::proportional(theme::SMALL);
     // From left to right: number, symbol of its kind, name, residual; the buttons come last.
     painter.text(
         pos2(rect.left() + 14.0, middle),
@@ -147,7 +147,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
     } else {
         ui.palette().text
     };
-    let font = FontId::proportional(13.0);
+    let font = FontId::proportional(theme::BODY);
     let mut galley = lay_out_within(&painter, name.clone(), font.clone(), strength, text_width);
     if galley.elided {
         // Names that begin alike would be cut to the same text, so the unique code goes in front.

@@ -41,7 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         pos2(rect.left() + 18.0, rect.center().y),
         egui::Align2::LEFT_CENTER,
         "Details",
-        egui::FontId::proportional(13.0),
+        egui::FontId::proportional(theme::BODY),
         colour,
     );
     let response = response.on_hover_text("Uncertainties, residuals, the camera, every warning.");

@@ -47,7 +47,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                         symbol::show(ui, Symbol::Warning, colour);
                     }
                     let word = judgement.verdict.to_string();
-                    ui.label(RichText::new(word).size(theme::VERDICT).color(colour).strong()).on_hover_text(
+                    ui.label(RichText::new(word).size(theme::TITLE).color(colour).strong()).on_hover_text(
                         "Good: no evidence against it. Check: look before you accept. Wrong: something contradicts it.",
                     );
                 });
@@ -91,7 +91,7 @@ fn other_picture(says: &str, ui: &mut Ui) {
         symbol::show(ui, Symbol::Warning, palette.bad);
         ui.label(
             RichText::new("Another picture")
-                .size(theme::VERDICT)
+                .size(theme::TITLE)
                 .color(palette.bad)
                 .strong(),
         );

@@ -1,11 +1,8 @@
 //! A small plot: a rectangle with two scales, lines and numbers at its sides.
 
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2};
 use touchline_documents::report::figure::Ruler;
-
-/// Size of the numbers, points.
-const NUMBER: f32 = 10.0;
 
 /// A rectangle with two linear scales. Values outside a scale are drawn at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,7 +91,7 @@ impl Plot {
 
 /// The font of a plot's numbers.
 pub fn small() -> FontId {
-    FontId::proportional(NUMBER)
+    FontId::proportional(theme::SMALL)
 }
 
 /// Where a value is between two borders, 0 to 1; the middle if the scale is empty.

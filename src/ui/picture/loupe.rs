@@ -3,6 +3,7 @@
 //!
 //! It stands beside the point, on the side where it hides least of the lines that the user aims at.
 
+use crate::ui::controls::theme;
 use crate::ui::drawing::canvas::{self, Overlay};
 use crate::ui::drawing::labels::{PlateStyle, plate};
 use crate::ui::drawing::placement::Placement;
@@ -99,7 +100,11 @@ pub fn show(
         corner,
         Align2::CENTER_CENTER,
         &text,
-        PlateStyle::new(FontId::monospace(11.0), Color32::from_gray(230), behind),
+        PlateStyle::new(
+            FontId::monospace(theme::SMALL),
+            Color32::from_gray(230),
+            behind,
+        ),
     );
     painter.rect_stroke(
         rect,

@@ -2,6 +2,7 @@
 //! frames it is, and a button that deletes it.
 
 use crate::ui::Panel;
+use crate::ui::controls::theme;
 use crate::ui::drawing::labels::{PlateStyle, plate, text_width};
 use crate::ui::drawing::placement::Placement;
 use egui::{
@@ -106,7 +107,7 @@ fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
 fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
     // The corner of the visible part: a mask may extend beyond the view.
     let shown = mask.intersect(placement.rect);
-    let (font, letters) = (FontId::proportional(11.0), Color32::from_gray(225));
+    let (font, letters) = (FontId::proportional(theme::SMALL), Color32::from_gray(225));
     if text_width(painter, says, font.clone()) + 16.0 <= shown.width() {
         let style = PlateStyle::new(font, letters, Color32::from_black_alpha(150));
         plate(

@@ -3,19 +3,20 @@
 //! The candidates come ranked from the application; `typing.rs` reads the keys. This file draws the
 //! list and reads the pointer.
 
-use crate::ui::Panel;
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::text_width;
 use crate::ui::drawing::placement::Placement;
+use crate::ui::{Panel, PictureState};
 use egui::{
     Align2, Area, FontId, Id, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2,
 };
+use touchline_application::app::corner_looks::CornerLooks;
 use touchline_application::app::naming::NameCandidate;
 use touchline_application::app::session::{Mode, Naming, OFFERED};
 use touchline_application::app::{Action, EditAction, Navigation};
 
 /// Minimum width of the list, points: the hint fits into it.
-const LEAST_WIDTH: f32 = 300.0;
+const LEAST_WIDTH: f32 = 340.0;
 /// Where the labels begin, points from the left end of a row.
 const LABEL: f32 = 28.0;
 /// Gap between the columns of a row and at its right end, points.
@@ -26,6 +27,9 @@ const ROW: f32 = 24.0;
 const GAP: f32 = 32.0;
 /// Margin around the list, points.
 const MARGIN: f32 = 6.0;
+
+/// Farther away a name is not meant, and its distance says nothing, px of the picture.
+const FAR_PX: f64 = 40.0;
 
 /// Shows the list beside its point.
 pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
@@ -39,6 +43,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     else {
         return;
     };
+    // The picture is looked at once, as the list opens; the next frame of the window ranks by it.
+    if naming.looks.is_none()
+        && let PictureState::Ready(_, picture) = panel.pictures.current()
+    {
+        let looks = CornerLooks::from_picture(&picture, click.image);
+        panel
+            .actions
+            .push(Action::Navigate(Navigation::LookAtClick(looks)));
+    }
     // The size must be known before the list is laid out, because the list stands at its left or
     // its right side beside the point. At least one row, for the note that no name matches.
     let point = placement.screen_from_image(click.image);
@@ -112,7 +125,7 @@ fn title(ui: &mut egui::Ui, naming: &Naming) {
         rect.left_center() + vec2(6.0, 0.0),
         Align2::LEFT_CENTER,
         text,
-        FontId::proportional(13.0),
+        FontId::proportional(theme::BODY),
         colour,
     );
 }
@@ -131,7 +144,7 @@ impl Columns {
         let candidates = &naming.candidates;
         let with_distance = candidates
             .iter()
-            .any(|candidate| candidate.distance_px.is_some());
+            .any(|candidate| candidate.distance_px.is_some_and(|px| px < FAR_PX));
         // The text about the point with the largest number is the widest of its kind, and wider
         // than any distance.
         let used = candidates
@@ -140,7 +153,7 @@ impl Columns {
             .max();
         let last = used
             .map(in_use)
-            .or_else(|| with_distance.then(|| "8888.8 px".to_owned()));
+            .or_else(|| with_distance.then(|| "88.8 px".to_owned()));
         Self {
             label: candidates
                 .iter()
@@ -169,15 +182,15 @@ fn in_use(other: usize) -> String {
 }
 
 fn label_font() -> FontId {
-    FontId::proportional(13.0)
+    FontId::proportional(theme::BODY)
 }
 
 fn code_font() -> FontId {
-    FontId::monospace(11.5)
+    FontId::monospace(theme::SMALL)
 }
 
 fn distance_font() -> FontId {
-    FontId::proportional(12.0)
+    FontId::proportional(theme::SMALL)
 }
 
 /// Shows a candidate: number, label, code, and distance from the click. Returns what the pointer
@@ -225,8 +238,8 @@ fn row(
     if let Some(width) = columns.distance {
         let says = match (candidate.in_use, candidate.distance_px) {
             (Some(other), _) => in_use(other),
-            (None, Some(px)) => format!("{px:.1} px"),
-            (None, None) => String::new(),
+            (None, Some(px)) if px < FAR_PX => format!("{px:.1} px"),
+            (None, _) => String::new(),
         };
         painter.text(at(right), Align2::RIGHT_CENTER, says, distance_font(), weak);
         right -= width + SPACE;
@@ -257,7 +270,7 @@ fn nothing(ui: &mut egui::Ui, naming: &Naming) {
         at,
         Align2::LEFT_CENTER,
         text,
-        FontId::proportional(13.0),
+        FontId::proportional(theme::BODY),
         ui.palette().caution,
     );
 }
@@ -272,7 +285,7 @@ fn hint(ui: &mut egui::Ui, naming: &Naming) {
         at,
         Align2::LEFT_CENTER,
         text,
-        FontId::proportional(11.0),
+        FontId::proportional(theme::SMALL),
         ui.palette().weak,
     );
 }

@@ -1,7 +1,7 @@
 //! A scatter plot of the offsets between two clicks on the same point of the picture. A dot can be
 //! pointed at and clicked.
 
-use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 use touchline_core::geometry::{Vec2, quantile};
 
@@ -96,7 +96,7 @@ impl Scatter<'_> {
             corner,
             Align2::RIGHT_BOTTOM,
             text,
-            FontId::proportional(10.0),
+            FontId::proportional(theme::SMALL),
             ui.palette().weak,
         );
         if under.is_some() {

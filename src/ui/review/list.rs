@@ -169,7 +169,7 @@ fn late_line(ui: &Ui, first: Rect, count: usize) {
         line.center(),
         Align2::CENTER_CENTER,
         text,
-        FontId::proportional(11.0),
+        FontId::proportional(theme::SMALL),
         ui.palette().weak,
     );
 }
@@ -183,7 +183,7 @@ fn threshold_line(painter: &Painter, row: Rect, threshold: f64) {
     );
     let said = painter.layout_no_wrap(
         percent(threshold),
-        FontId::proportional(10.0),
+        FontId::proportional(theme::SMALL),
         painter.palette().accent,
     );
     let place = Align2::CENTER_CENTER.anchor_size(row.center_top(), said.size());
@@ -248,7 +248,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         pos2(right, first_line),
         Align2::RIGHT_CENTER,
         &facts.confidence,
-        FontId::proportional(12.0),
+        FontId::proportional(theme::SMALL),
         strong,
     );
     text_within(
@@ -351,7 +351,7 @@ pub fn text_within(
     text: String,
     colour: Color32,
 ) {
-    let font = FontId::proportional(12.0);
+    let font = FontId::proportional(theme::SMALL);
     let galley = lay_out_within(painter, text, font, colour, width.max(8.0));
     painter.galley(
         left_centre - vec2(0.0, galley.size().y / 2.0),

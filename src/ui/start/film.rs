@@ -100,7 +100,7 @@ pub fn show(ui: &mut Ui, width: f32) {
         pos2(rect.left(), rect.bottom()),
         Align2::LEFT_BOTTOM,
         caption(at_s),
-        FontId::proportional(13.0),
+        FontId::proportional(theme::BODY),
         ui.palette().text,
     );
 }
@@ -176,7 +176,7 @@ fn paint_click(painter: &Painter, at: Pos2, name: &str, colour: Color32, within:
     } else {
         (-12.0, Align2::RIGHT_CENTER)
     };
-    let font = FontId::proportional(12.0);
+    let font = FontId::proportional(theme::SMALL);
     let style = PlateStyle::new(font, Color32::WHITE, theme::ON_PICTURE.control);
     plate(painter, at + vec2(away, 0.0), align, name, style);
 }

@@ -55,10 +55,14 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.scope_builder(UiBuilder::new().max_rect(title), |ui| {
         ui.label(
             RichText::new("touchline")
-                .size(26.0)
+                .size(theme::TITLE)
                 .color(ui.palette().strong),
         );
-        ui.label(RichText::new(PURPOSE).size(14.0).color(ui.palette().text));
+        ui.label(
+            RichText::new(PURPOSE)
+                .size(theme::BODY)
+                .color(ui.palette().text),
+        );
     });
     let below = page.with_min_y(title.bottom() + 2.0 * theme::SPACE);
     if let Some(film) = film {
@@ -134,7 +138,9 @@ fn beginnings(panel: &mut Panel<'_>, ui: &mut Ui) {
             Command::StartTour,
         ),
     ] {
-        let text = RichText::new(name).size(15.0).color(ui.palette().strong);
+        let text = RichText::new(name)
+            .size(theme::BODY)
+            .color(ui.palette().strong);
         let mut row = Button::new((symbol::atom(symbol, ui.palette().accent), text))
             .gap(3.0 * theme::SPACE)
             .right_text(RichText::new(about).color(ui.palette().weak))
@@ -264,8 +270,13 @@ fn recent_row(
         .map(|folder| folder.display().to_string());
     let width = rect.right() - place.right() - 4.0 * theme::SPACE;
     for (text, size, colour, y) in [
-        (name, 13.0, ui.palette().strong, -17.0),
-        (folder.unwrap_or_default(), 11.0, ui.palette().weak, 2.0),
+        (name, theme::BODY, ui.palette().strong, -17.0),
+        (
+            folder.unwrap_or_default(),
+            theme::SMALL,
+            ui.palette().weak,
+            2.0,
+        ),
     ] {
         let galley = lay_out_within(painter, text, FontId::proportional(size), colour, width);
         let at = pos2(place.right() + 2.0 * theme::SPACE, rect.center().y + y);

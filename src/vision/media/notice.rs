@@ -66,9 +66,10 @@ impl fmt::Display for Notice {
                 stated,
                 decoded,
             } => {
+                let only = if decoded < stated { "only " } else { "" };
                 write!(
                     f,
-                    "{} states {}, {} decode. Numbering follows decoded frames.",
+                    "{} announces {}; {only}{} can be decoded. Frames are numbered as decoded.",
                     name(path),
                     pluralise(*stated, "frame"),
                     thousands(*decoded)
@@ -76,7 +77,7 @@ impl fmt::Display for Notice {
             }
             Self::UnevenFrameTimes { path, fps } => write!(
                 f,
-                "{}: the frame rate is not {fps:.3} throughout. Numbering follows decoded frames.",
+                "{}: the frame rate is not {fps:.3} throughout. Frames are numbered as decoded.",
                 name(path)
             ),
             Self::Interlaced { path } => {
@@ -122,8 +123,8 @@ mod tests {
     #[test]
     fn counts_agree_with_their_nouns() {
         for (stated, decoded, counts) in [
-            (1, 2, "1 frame, 2 decode"),
-            (135_000, 134_998, "135,000 frames, 134,998 decode"),
+            (1, 2, "1 frame; 2"),
+            (135_000, 134_998, "135,000 frames; only 134,998"),
         ] {
             let notice = Notice::FramesStated {
                 path: PathBuf::from("videos/match.mkv"),
@@ -132,7 +133,9 @@ mod tests {
             };
             assert_eq!(
                 notice.to_string(),
-                format!("match.mkv states {counts}. Numbering follows decoded frames.")
+                format!(
+                    "match.mkv announces {counts} can be decoded. Frames are numbered as decoded."
+                )
             );
         }
     }

@@ -14,6 +14,7 @@ use super::settings::{Loupe, ThemeChoice};
 use super::trainer::TrainerReport;
 use super::transfer::TransferAction;
 use super::window_state::choices::{Scope, Selecting, TimeAxis};
+use super::window_state::corner_looks::CornerLooks;
 use super::window_state::place::FrameOrTime;
 use super::window_state::session::{Filter, Level, PictureView};
 use super::window_state::video::PlaySpeed;
@@ -197,6 +198,8 @@ pub enum Navigation {
     ConfirmName,
     /// Highlight the candidate at an index in the list.
     HighlightName(usize),
+    /// Rank the listed names by how the point looks in the picture.
+    LookAtClick(CornerLooks),
     /// List lines (true) or landmarks.
     ListLines(bool),
     /// Show the frame with a number or at a time.

@@ -59,11 +59,13 @@ impl TourStep {
                                  from the list: press its digit, or type letters of the name. (Dashed lines, \
                                  if there are any, are a proposal: they come in step 5.)"
                 .to_owned(),
-            Self::SecondPoint => "Two points determine pan, tilt and focal length, because this camera's position is known. \
-                                  The farther apart they are, the better. The field's lines then appear over the picture."
+            Self::SecondPoint => "Two points far apart determine pan, tilt and focal length, since the camera's position is known. \
+                                  The field's lines then appear. Two points always agree, a wrong one too: only lines that \
+                                  lie on the paint show that both are right."
                 .to_owned(),
             Self::Refine => "Drag one of the points by a few pixels, or select it and use the arrow keys: the loupe shows the \
-                             exact pixel, and the lines follow. Put it where the lines match."
+                             exact pixel, and the lines follow. Put it where they lie on the paint; while they do \
+                             not, a point is wrong."
                 .to_owned(),
             Self::Accept => format!(
                 "Look at the lines and read the verdict on the right. Then press {}: the frame becomes a reference, and the \

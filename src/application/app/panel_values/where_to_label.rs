@@ -50,6 +50,9 @@ pub fn where_to_label(advice: &LabelAdvice, name: impl Fn(usize) -> String) -> O
     };
     let name = name(frame);
     Some(match (pan_deg, missing_pan_deg) {
+        (Some(pan_deg), _) if all == 1 => {
+            format!("{which}: {name} (pan\u{a0}{}).", whole_degrees(pan_deg))
+        }
         (Some(pan_deg), _) => {
             let one_of = if (2..all).contains(&shared_by) {
                 format!("one of {shared_by} ")
@@ -112,7 +115,7 @@ mod tests {
         );
         assert_eq!(
             said(0, 1, near).unwrap(),
-            "1 uncertain: label frame 3, near pan\u{a0}40°."
+            "1 uncertain: frame 3 (pan\u{a0}40°)."
         );
         assert_eq!(
             said(1, 0, Some(next(None, 1))).unwrap(),

@@ -76,6 +76,7 @@ impl App {
             Navigation::RefineName(typed) => self.refine_name(typed),
             Navigation::ConfirmName => self.session.forget_placed(),
             Navigation::HighlightName(index) => self.highlight_name(index),
+            Navigation::LookAtClick(looks) => self.look_at_click(looks),
             Navigation::ListLines(lines) => self.list_lines(lines),
             Navigation::GoTo(frame) => self.go_to(frame),
             Navigation::SelectFrame { frame, how } => self.select_frame(frame, how),

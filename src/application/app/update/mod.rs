@@ -194,7 +194,7 @@ impl App {
         let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else {
             return false;
         };
-        let text = format!("Nothing can be changed here: {reason}");
+        let text = format!("Read-only: this project is {reason}.");
         self.session.notify(Level::Warning, text);
         true
     }

@@ -4,6 +4,7 @@
 //! and values that are derived from both are in `panel_values`.
 
 pub mod choices;
+pub mod corner_looks;
 pub mod naming;
 pub mod place;
 pub mod reclick;

@@ -8,9 +8,10 @@
 //! |---|---|
 //! | the frame's camera, from its other clicks | by the distance of the click from where this camera sees the landmark |
 //! | the base, and another named click | the name is tried as the second point of a two-point solve, and the camera that results is compared with the neighbouring frames', else with other shots', else with an ordinary broadcast view |
-//! | the base, and a neighbouring frame's camera | by the distance that this camera predicts |
-//! | the base, and cameras of other shots | by the smallest distance that these predict |
+//! | the base, and a neighbouring frame's camera | by its distance, beyond 40 px by looks as well |
+//! | the base, and cameras of other shots | by the smallest distance, and by looks in the same way |
 //! | clicks in neighbouring frames | by the distance from where the same name was clicked |
+//! | the base, and paint around the click | by how the landmark looks (`corner_looks.rs`) |
 //! | none of these | by how precisely a landmark can be clicked |
 //!
 //! # Scores
@@ -20,6 +21,7 @@
 //! by one kind of evidence, except landmarks that no other shot shows: these fall back to clicks in
 //! neighbouring frames.
 
+use super::corner_looks::CornerLooks;
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::{FieldModel, Landmark};
 use touchline_core::geometry::{Angle, AngleRange, ImagePoint, ImageSize, Vec3};
@@ -34,8 +36,16 @@ const NEAR_PX: f64 = 16.0;
 const OTHER_SHOTS_MOTION: f64 = 1.0;
 const NEIGHBOUR_DISTANCE: f64 = 2.0;
 const OTHER_SHOTS_DISTANCE: f64 = 4.0;
+const LOOKS: f64 = 500.0;
 const NO_EVIDENCE: f64 = 1e3;
 const NO_EVIDENCE_FOR_LINE: f64 = 1e6;
+
+/// Beyond this distance from where another frame's camera sees a landmark, in units of
+/// [`NEAR_PX`], that camera has moved: 40 px at 1920 px width.
+const MOVED: f64 = 2.5;
+
+/// A painted line more or less, compared with a distance that is larger by the factor e.
+const LIKENESS_WEIGHT: f64 = 2.0;
 
 /// A name is unambiguous if the score of the next one is this many times higher.
 const UNAMBIGUOUS_RATIO: f64 = 3.0;
@@ -84,6 +94,8 @@ pub struct NamingScene<'a> {
     pub other_shots: &'a [Ptz],
     /// Named clicks of the nearest labelled frames.
     pub neighbour_clicks: &'a [NeighbourClick],
+    /// How the clicked spot looks, if the picture was looked at.
+    pub looks: Option<&'a CornerLooks>,
 }
 
 /// A name that another click of the frame has.
@@ -251,19 +263,45 @@ fn rank_landmark(scene: &NamingScene<'_>, landmark: &Landmark, at: ImagePoint) -
     }
     if let Some(camera) = neighbour_camera(scene) {
         let distance_px = distance_px(&camera, at_in_world, at);
-        let score = distance_px.map_or(f64::INFINITY, |px| NEIGHBOUR_DISTANCE + px / near_px);
+        let score = distance_px.map_or(f64::INFINITY, |px| {
+            NEIGHBOUR_DISTANCE + score_by_distance(scene, landmark, at, px / near_px)
+        });
         return Ranking {
             distance_px,
             ..Ranking::implausible(score)
         };
     }
     if let Some(px) = distance_in_other_shots_px(scene, at_in_world, at) {
-        return Ranking::implausible(OTHER_SHOTS_DISTANCE + px / near_px);
+        let score = score_by_distance(scene, landmark, at, px / near_px);
+        return Ranking::implausible(OTHER_SHOTS_DISTANCE + score);
     }
     let target = Target::Landmark(landmark.id.clone());
     let score = score_by_neighbour_clicks(scene, &target, at)
+        .or_else(|| Some(LOOKS + unlikeness(scene, landmark, at)?))
         .unwrap_or(NO_EVIDENCE + landmark.click_sigma_px);
     Ranking::implausible(score)
+}
+
+/// Ranks a landmark by where another frame's camera sees it, `apart` times [`NEAR_PX`] away. What
+/// is far away there says less than how the clicked spot looks: the camera has moved meanwhile.
+fn score_by_distance(
+    scene: &NamingScene<'_>,
+    landmark: &Landmark,
+    at: ImagePoint,
+    apart: f64,
+) -> f64 {
+    match unlikeness(scene, landmark, at).filter(|_| apart > MOVED) {
+        Some(unlike) => MOVED + LIKENESS_WEIGHT * unlike + (apart / MOVED).ln(),
+        None => apart,
+    }
+}
+
+/// How unlike the clicked spot a landmark looks from the base. Of those that look alike, the one
+/// that can be clicked more precisely is the likelier choice.
+fn unlikeness(scene: &NamingScene<'_>, landmark: &Landmark, at: ImagePoint) -> Option<f64> {
+    let (looks, base) = (scene.looks?, scene.base?);
+    let unlike = looks.unlikeness(scene.field, landmark, base, scene.image_size, at)?;
+    Some(unlike + 1e-3 * landmark.click_sigma_px)
 }
 
 /// Ranks a landmark by the camera that results if it is the second point of the frame: a wrong name

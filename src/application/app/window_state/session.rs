@@ -4,6 +4,7 @@ pub use super::choices::{Filter, is_to_do, status_label};
 pub use crate::app::commands::notice::{Level, Messages, Notice, in_row};
 
 use super::choices::{QualityChoice, ReviewChoice, Scope};
+use super::corner_looks::CornerLooks;
 use super::naming::{NameCandidate, filter_by_text};
 use super::reclick::Reclick;
 use super::video::VideoState;
@@ -394,6 +395,8 @@ pub struct Naming {
     pub click: usize,
     /// All candidates, best first.
     pub candidates: Vec<NameCandidate>,
+    /// How the point looks in the picture, once it was looked at.
+    pub looks: Option<CornerLooks>,
     /// Whether the point was named automatically and keeps that name unless the user chooses
     /// another one.
     pub refines: bool,

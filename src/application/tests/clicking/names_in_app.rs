@@ -252,7 +252,7 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
         elsewhere
             .warnings
             .iter()
-            .all(|warning| !warning.message.contains("Cut or wrong name?"))
+            .all(|warning| !warning.message.contains("A cut, or a wrong name?"))
     );
 }
 

@@ -6,6 +6,7 @@
 //! camera cannot be turned and zoomed so that its ground stays where it was.
 
 use super::given::GivenCamera;
+use super::tails::find_tail;
 use crate::calibrate::{OnBase, ptz_on_base};
 use std::collections::BTreeMap;
 use touchline_core::camera::PtzCamera;
@@ -56,14 +57,19 @@ impl FramePlaces {
             places.extend(fitting_places(given, frames, size));
         }
         places.sort_by_key(|place: &SharedPlace| std::cmp::Reverse(place.members.len()));
-        // Frames of which another place is the nearer one leave a place, until each has enough.
+        // Frames of which another place is the nearer one leave a place, until each has enough and
+        // none is the tail of another.
         loop {
             let of_frame = nearest_places(document, given, &mut places);
             let number = places.len();
             places.retain(|place| place.members.len() >= MIN_MEMBERS);
-            if places.len() == number {
-                return Self { places, of_frame };
+            if places.len() < number {
+                continue;
             }
+            let Some(tail) = find_tail(document, given, &places) else {
+                return Self { places, of_frame };
+            };
+            places.remove(tail);
         }
     }
 }

@@ -49,6 +49,7 @@ mod mended;
 mod numbers_only;
 mod places;
 mod survey;
+mod tails;
 
 pub use common_error::CommonError;
 pub use given::{GivenCamera, GivenFault};

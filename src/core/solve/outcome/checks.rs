@@ -141,7 +141,7 @@ fn underground(camera: &PtzCamera) -> Option<Warning> {
     (height_m <= 0.0).then(|| Warning {
         code: WarningCode::Implausible,
         message: format!(
-            "Implausible: the camera stands {:.1} m below the pitch. Check its height.",
+            "The camera stands {:.1} m below the pitch. Check its height.",
             height_m.abs()
         ),
         clicks: Vec::new(),
@@ -172,7 +172,7 @@ fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warni
         return context.motion.warning(&ptz, &solution.slack());
     };
     let message =
-        format!("Implausible: {what}. Check the names of the points, or the camera base.");
+        format!("Unusual camera: {what}. Check the names of the points, or the camera base.");
     Some(Warning {
         code: WarningCode::Implausible,
         message,

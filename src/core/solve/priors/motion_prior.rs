@@ -137,30 +137,21 @@ impl MotionPrior {
         // A jump from the nearest frame says more than the range of all accepted ones.
         let message = if let (Some(odd), Some(motion)) = (self.jump(ptz, slack), &self.motion) {
             let moved = PtzStep::between(&motion.from, ptz);
-            let frames = if motion.frames == 1 {
-                "one frame".to_owned()
+            let there = if motion.frames == 1 {
+                "the next frame".to_owned()
             } else {
-                format!("{} frames", motion.frames)
+                format!("a frame {} away", motion.frames)
             };
             let what = match odd.which {
-                0 => format!(
-                    "pan jumps {:.1} in {frames} (usual ≤ {:.1})",
-                    moved.pan, motion.usual.pan
+                0 => format!("Pan differs by {:.1}", moved.pan),
+                1 => format!("Tilt differs by {:.1}", moved.tilt),
+                // From a logarithm of a ratio to per cent.
+                _ => format!(
+                    "The focal length differs by {:.0} %",
+                    100.0 * moved.log_focal.exp_m1()
                 ),
-                1 => format!(
-                    "tilt jumps {:.1} in {frames} (usual ≤ {:.1})",
-                    moved.tilt, motion.usual.tilt
-                ),
-                _ => {
-                    // From a logarithm of a ratio to per cent.
-                    let [by, usual] =
-                        [moved.log_focal, motion.usual.log_focal].map(|log| 100.0 * log.exp_m1());
-                    format!(
-                        "the focal length changes by {by:.0} % in {frames} (usual ≤ {usual:.0} %)"
-                    )
-                }
             };
-            format!("Implausible: {what}. Cut or wrong name?")
+            format!("{what} from {there}. A cut, or a wrong name?")
         } else {
             let (odd, seen) = (self.elsewhere(ptz, slack)?, self.seen.as_ref()?);
             let what = match odd.which {
@@ -180,7 +171,7 @@ impl MotionPrior {
                     )
                 }
             };
-            format!("Implausible: {what}. Check the names of the points.")
+            format!("Unusual camera: {what}. Check the names of the points.")
         };
         Some(Warning {
             code: WarningCode::Implausible,
@@ -297,17 +288,17 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_reported_with_the_usual_motion() {
+    fn a_jump_is_reported_with_the_frame_it_differs_from() {
         let prior = prior();
         assert_eq!(said(&prior, 11.1, -10.1, 2040.0), None);
         let jump = said(&prior, 16.2, -10.0, 2000.0).unwrap();
         assert_eq!(
             jump,
-            "Implausible: pan jumps 6.2° in one frame (usual ≤ 0.4°). Cut or wrong name?"
+            "Pan differs by 6.2° from the next frame. A cut, or a wrong name?"
         );
         let zoom = said(&prior, 10.0, -10.0, 3000.0).unwrap();
         assert!(
-            zoom.contains("focal length changes by 50 % in one frame (usual ≤ 1 %)"),
+            zoom.starts_with("The focal length differs by 50 % from the next frame"),
             "{zoom}"
         );
     }
@@ -325,7 +316,7 @@ mod tests {
         );
         let far = said(&prior, 80.0, -10.0, 2000.0).unwrap();
         assert!(
-            far.starts_with("Implausible: pan 80.0°, accepted frames have -30.0° to 20.0°"),
+            far.starts_with("Unusual camera: pan 80.0°, accepted frames have -30.0° to 20.0°"),
             "{far}"
         );
         assert!(said(&prior, 0.0, -30.0, 2000.0).unwrap().contains("tilt"));

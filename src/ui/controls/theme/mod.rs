@@ -15,8 +15,12 @@ use touchline_application::app::settings::ThemeChoice;
 /// Spacing of the grid, points.
 pub const SPACE: f32 = 4.0;
 
-/// Size of the verdict's word, points.
-pub const VERDICT: f32 = 20.0;
+/// The three sizes of type, points: what stands beside something else or explains it, what is read,
+/// and the one thing that a card or page is about. Within a size, the colour of a text says how
+/// much it weighs (`Palette::strong`, `text`, `weak`).
+pub const SMALL: f32 = 12.0;
+pub const BODY: f32 = 14.0;
+pub const TITLE: f32 = 18.0;
 
 /// A small title above a group.
 pub fn title(ui: &mut egui::Ui, text: &str) {
@@ -115,11 +119,11 @@ pub fn follow(ctx: &egui::Context, choice: ThemeChoice) {
 /// Sizes and behaviour, which are the same in both themes.
 fn give(style: &mut egui::Style) {
     style.text_styles = [
-        (TextStyle::Small, 11.0, FontFamily::Proportional),
-        (TextStyle::Body, 13.0, FontFamily::Proportional),
-        (TextStyle::Button, 13.0, FontFamily::Proportional),
-        (TextStyle::Heading, 16.0, FontFamily::Proportional),
-        (TextStyle::Monospace, 12.0, FontFamily::Monospace),
+        (TextStyle::Small, SMALL, FontFamily::Proportional),
+        (TextStyle::Body, BODY, FontFamily::Proportional),
+        (TextStyle::Button, BODY, FontFamily::Proportional),
+        (TextStyle::Heading, TITLE, FontFamily::Proportional),
+        (TextStyle::Monospace, SMALL, FontFamily::Monospace),
     ]
     .into_iter()
     .map(|(name, size, family)| (name, FontId::new(size, family)))

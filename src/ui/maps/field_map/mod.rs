@@ -7,6 +7,7 @@
 mod pick;
 
 use crate::ui::Panel;
+use crate::ui::controls::theme;
 use crate::ui::drawing::labels::{PlateStyle, plate, text_width};
 use crate::ui::drawing::placement::Placement;
 use crate::ui::drawing::{canvas, labels};
@@ -252,7 +253,7 @@ fn paint(
             .map(|(_, spot)| *spot);
         if let Some(spot) = spot.filter(|spot| rect.contains(*spot)) {
             let behind = Color32::from_black_alpha(150);
-            let font = FontId::proportional(10.0);
+            let font = FontId::proportional(theme::SMALL);
             let letters = labels::colour(SELECTED);
             plate(
                 &painter,
@@ -356,7 +357,7 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
         Order::Tooltip,
         Id::NULL.with("field map's name"),
     ));
-    let font = FontId::proportional(12.5);
+    let font = FontId::proportional(theme::SMALL);
     let width = text_width(&painter, text, font.clone());
     let middle = middle_within(ui.ctx().content_rect(), width, at.x);
     plate(

@@ -8,6 +8,7 @@ use super::super::loupe;
 use super::hints::{PLATE, beside};
 use super::pointer::DragTarget;
 use crate::ui::Panel;
+use crate::ui::controls::theme;
 use crate::ui::drawing::canvas::Overlay;
 use crate::ui::drawing::labels::{PlateStyle, plate};
 use crate::ui::drawing::placement::Placement;
@@ -51,7 +52,11 @@ pub fn show(
         at,
         Align2::CENTER_CENTER,
         &text,
-        PlateStyle::new(FontId::proportional(15.0), labels::colour(CLICK), PLATE),
+        PlateStyle::new(
+            FontId::proportional(theme::BODY),
+            labels::colour(CLICK),
+            PLATE,
+        ),
     );
     // While a click is dragged: crosshair and loupe. Otherwise the landmark's name follows the
     // pointer.

@@ -36,7 +36,7 @@ pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placem
             at,
             Align2::CENTER_CENTER,
             &text,
-            PlateStyle::new(FontId::proportional(13.0), Color32::WHITE, PLATE),
+            PlateStyle::new(FontId::proportional(theme::BODY), Color32::WHITE, PLATE),
         );
     }
 }
@@ -206,7 +206,11 @@ fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter
         .filter_map(|click| clicks.get(*click))
     {
         let at = placement.screen_from_image(click.image) + vec2(0.0, -26.0);
-        let style = PlateStyle::new(FontId::proportional(11.0), theme::ON_PICTURE.text, PLATE);
+        let style = PlateStyle::new(
+            FontId::proportional(theme::SMALL),
+            theme::ON_PICTURE.text,
+            PLATE,
+        );
         plate(painter, at, Align2::CENTER_CENTER, "snapped", style);
     }
 }
@@ -214,7 +218,7 @@ fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter
 /// Draws a name and a weaker hint beside `at`: below and to the right, or on the other side at the
 /// right or lower border of `bounds`.
 pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
-    let [name_font, hint_font] = [13.0, 11.0].map(FontId::proportional);
+    let [name_font, hint_font] = [theme::BODY, theme::SMALL].map(FontId::proportional);
     let width = text_width(painter, name, name_font.clone()).max(text_width(
         painter,
         hint,
@@ -284,10 +288,10 @@ pub fn show_failure(painter: &Painter, rect: Rect, reason: &str) {
     };
     let title = lay_out(
         "This picture cannot be shown",
-        17.0,
+        theme::TITLE,
         theme::ON_PICTURE.strong,
     );
-    let text = lay_out(reason, 13.0, theme::ON_PICTURE.text);
+    let text = lay_out(reason, theme::BODY, theme::ON_PICTURE.text);
     let height = title.size().y + 8.0 + text.size().y;
     let top = (rect.center() - vec2(text.size().x.max(title.size().x) / 2.0, height / 2.0)).round();
     let below = top + vec2(0.0, title.size().y + 8.0);
@@ -302,7 +306,7 @@ pub fn no_frames(painter: &Painter, rect: Rect) {
         rect.center(),
         Align2::CENTER_CENTER,
         text,
-        FontId::proportional(14.0),
+        FontId::proportional(theme::BODY),
         theme::ON_PICTURE.weak,
     );
 }

@@ -182,7 +182,11 @@ pub fn show_features(app: &App, painter: &Painter, placement: &Placement) {
         at,
         Align2::LEFT_CENTER,
         &legend(used),
-        PlateStyle::new(FontId::proportional(12.0), theme::ON_PICTURE.strong, behind),
+        PlateStyle::new(
+            FontId::proportional(theme::SMALL),
+            theme::ON_PICTURE.strong,
+            behind,
+        ),
     );
 }
 

@@ -83,7 +83,7 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     let card = Rect::from_min_max(corner - LEGEND, corner);
     painter.rect_filled(card, 6.0, Color32::from_black_alpha(190));
     let inside = card.shrink2(vec2(10.0, 7.0));
-    let font = FontId::proportional(12.0);
+    let font = FontId::proportional(theme::SMALL);
     let Some((solved, camera)) = solution_and_camera(app) else {
         let text = "Uncertainty: place points first";
         painter.text(
@@ -120,7 +120,7 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
             inside.left_bottom(),
             Align2::LEFT_BOTTOM,
             text,
-            FontId::proportional(11.0),
+            FontId::proportional(theme::SMALL),
             theme::ON_PICTURE.text,
         );
     } else {
@@ -173,7 +173,7 @@ fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
             pos2(x, rect.bottom()),
             align,
             text,
-            FontId::proportional(11.0),
+            FontId::proportional(theme::SMALL),
             theme::ON_PICTURE.text,
         );
     }
@@ -263,7 +263,7 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
             format!("±{:.1} px", next.worst_corner_px)
         };
         let style = PlateStyle::new(
-            FontId::proportional(11.0),
+            FontId::proportional(theme::SMALL),
             theme::ON_PICTURE.caution,
             Color32::from_black_alpha(150),
         );

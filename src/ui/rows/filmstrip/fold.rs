@@ -59,7 +59,7 @@ pub fn show(
         top.center(),
         Align2::CENTER_CENTER,
         count,
-        FontId::proportional(18.0),
+        FontId::proportional(theme::TITLE),
         theme::ON_PICTURE.strong,
     );
     let below = top.center() + vec2(0.0, 16.0);
@@ -67,7 +67,7 @@ pub fn show(
         below,
         Align2::CENTER_CENTER,
         "no answer",
-        FontId::proportional(11.0),
+        FontId::proportional(theme::SMALL),
         theme::ON_PICTURE.text,
     );
     // The range of frame numbers below, where other cells have their number.
@@ -77,7 +77,7 @@ pub fn show(
         pos2(place.left() + 1.0, line),
         Align2::LEFT_CENTER,
         numbers,
-        FontId::proportional(11.0),
+        FontId::proportional(theme::SMALL),
         ui.palette().weak,
     );
     if response.hovered() || response.has_focus() {

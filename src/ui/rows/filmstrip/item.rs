@@ -31,7 +31,8 @@ pub fn separator(ui: &Ui, first: Rect, name: String) {
     let x = first.left() - SHOT_GAP + 4.0;
     let painter = ui.painter();
     painter.vline(x, first.y_range(), Stroke::new(1.0, ui.palette().line));
-    let galley = painter.layout_no_wrap(name, FontId::proportional(10.0), ui.palette().weak);
+    let galley =
+        painter.layout_no_wrap(name, FontId::proportional(theme::SMALL), ui.palette().weak);
     let at = pos2(x + 1.0, first.bottom() - CAPTION - BAR - 2.0);
     // Written upwards along the line, so that a long name needs no width.
     painter.add(
@@ -183,7 +184,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
             picture.center(),
             Align2::CENTER_CENTER,
             "no picture",
-            FontId::proportional(11.0),
+            FontId::proportional(theme::SMALL),
             ui.palette().weak,
         );
     }
@@ -195,7 +196,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     );
     theme::paint_status_bar(painter, bar, frame.status, confidence(frame));
     let line = place.bottom() - CAPTION / 2.0;
-    let small = FontId::proportional(11.0);
+    let small = FontId::proportional(theme::SMALL);
     let current = index == panel.app.session.frame;
     let number = if current {
         ui.palette().strong

@@ -2,6 +2,7 @@
 //! own clicks and other shots say. The lists are gathered here; `naming` weighs them.
 
 use crate::app::OpenProject;
+use crate::app::window_state::corner_looks::CornerLooks;
 use crate::app::window_state::naming::{self, NamingScene, NeighbourClick, TakenName};
 use crate::app::window_state::session::Naming;
 use touchline_calibration::calibrate::{calibrate, camera_alone, observations, solved_neighbours};
@@ -16,13 +17,15 @@ const NUM_OF_OTHER_SHOTS: usize = 20;
 const REMEMBERED_FRAMES: usize = 3;
 
 /// Ranks the possible names of a click. `contradicted` says that paint contradicts the frame's
-/// camera, although the document does not record that yet.
+/// camera, although the document does not record that yet. `looks` is how the clicked spot looks,
+/// once that is known.
 pub(in crate::app) fn rank_names(
     open: &mut OpenProject,
     frame_index: usize,
     click: usize,
     lines: bool,
     contradicted: bool,
+    looks: Option<CornerLooks>,
 ) -> Option<Naming> {
     let field = open.field_of(frame_index).ok()?;
     let frame = open.document.frames.get(frame_index)?;
@@ -73,11 +76,13 @@ pub(in crate::app) fn rank_names(
         neighbours: &neighbours,
         other_shots: &ptz_in_other_shots(open, frame_index),
         neighbour_clicks: &neighbour_clicks(open, frame_index),
+        looks: looks.as_ref(),
     };
     let candidates = naming::candidates(&scene, at, lines);
     Some(Naming {
         click,
         candidates,
+        looks,
         refines: false,
         typed: String::new(),
         lines,

@@ -1,6 +1,7 @@
 //! Names of clicks: the list of candidates, automatic names, and changes of names.
 
 use crate::app::panel_values::current::rank_names;
+use crate::app::window_state::corner_looks::CornerLooks;
 use crate::app::window_state::naming::unambiguous;
 use crate::app::window_state::session::{Level, Mode, Naming, PictureView};
 use crate::app::{App, Command};
@@ -18,9 +19,43 @@ impl App {
 
     /// The candidates for a click of the shown frame, best first.
     fn ranked_names(&mut self, click: usize, lines: bool) -> Option<Naming> {
+        self.names_by_looks(click, lines, None)
+    }
+
+    /// The same, by how the clicked spot looks as well.
+    fn names_by_looks(
+        &mut self,
+        click: usize,
+        lines: bool,
+        looks: Option<CornerLooks>,
+    ) -> Option<Naming> {
         let frame = self.session.frame;
         let contradicted = self.is_contradicted(frame);
-        rank_names(self.open.as_mut()?, frame, click, lines, contradicted)
+        rank_names(
+            self.open.as_mut()?,
+            frame,
+            click,
+            lines,
+            contradicted,
+            looks,
+        )
+    }
+
+    /// Ranks the listed names anew, now that the picture was looked at. The list stays as it is
+    /// once the user has chosen in it.
+    pub(in crate::app::update) fn look_at_click(&mut self, looks: CornerLooks) {
+        let Mode::Naming(naming) = &self.session.mode else {
+            return;
+        };
+        let (click, lines, refines) = (naming.click, naming.lines, naming.refines);
+        let is_fresh = naming.typed.is_empty() && naming.highlighted == 0;
+        let ranked = self.names_by_looks(click, lines, Some(looks.clone()));
+        if let Mode::Naming(naming) = &mut self.session.mode {
+            match ranked.filter(|_| is_fresh) {
+                Some(ranked) => *naming = Naming { refines, ..ranked },
+                None => naming.looks = Some(looks),
+            }
+        }
     }
 
     /// Shows the candidates for a click at the cursor. Lists lines if the next click is to be on a
@@ -129,7 +164,8 @@ impl App {
     pub(in crate::app::update) fn list_lines(&mut self, lines: bool) {
         if let Mode::Naming(naming) = &self.session.mode {
             let (click, refines, typed) = (naming.click, naming.refines, naming.typed.clone());
-            if let Some(mut naming) = self.ranked_names(click, lines) {
+            let looks = naming.looks.clone();
+            if let Some(mut naming) = self.names_by_looks(click, lines, looks) {
                 (naming.refines, naming.typed) = (refines, typed);
                 self.session.mode = Mode::Naming(naming);
             }
