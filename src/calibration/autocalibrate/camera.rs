@@ -27,6 +27,7 @@ use crate::autocalibrate::verdict::wanted_clicks::wanted_clicks;
 use crate::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
 };
+use std::cell::Cell;
 use std::collections::BTreeSet;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
@@ -60,7 +61,20 @@ pub fn find_camera(
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
+    find_camera_in_stages(document, camera, (look_at, usize::MAX), picture, progress)
+}
+
+/// As [`find_camera`], in at most so many stages, each of which begins with
+/// [`AutocalibrationProgress::Gathering`]: the answer after the last of them counts.
+pub(crate) fn find_camera_in_stages(
+    document: DocumentAt<'_>,
+    camera: &CameraId,
+    (look_at, most_stages): (usize, usize),
+    picture: PictureOfFrame<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let mut search = Search::new(document, camera, progress)?;
+    search.stages_left = Cell::new(most_stages);
     let clicks = GroundClick::from_frames(
         &document.frames,
         &search.of_camera,
@@ -93,6 +107,8 @@ struct Search<'a> {
     of_camera: Vec<usize>,
     /// The clicks that the search may use, with frames by their index in the document.
     clicks: Vec<GroundClick>,
+    /// The number of stages that may follow: each finds candidates in one way and decides.
+    stages_left: Cell<usize>,
     progress: &'a Progress<'a, AutocalibrationProgress>,
 }
 
@@ -119,6 +135,7 @@ impl<'a> Search<'a> {
             ),
             field_prior,
             clicks: Vec::new(),
+            stages_left: Cell::new(usize::MAX),
             progress,
         })
     }
@@ -139,7 +156,9 @@ impl<'a> Search<'a> {
         let mut sampled = Vec::new();
         match self.run_with(max_sampled, &mut sampled, picture)? {
             AutocalibrationAnswer::Abstained { why, .. }
-                if self.of_camera.len() > max_sampled && why.is_for_want_of_frames() =>
+                if self.of_camera.len() > max_sampled
+                    && why.is_for_want_of_frames()
+                    && self.stages_left.get() > 0 =>
             {
                 self.run_with(2 * max_sampled, &mut sampled, picture)
             }
@@ -244,9 +263,9 @@ impl<'a> Search<'a> {
         let field = &self.field_prior.assumed;
         let usual = PosesFrom::Places(&SearchPlaces::usual(field));
         let answer = self.find_among(usual, &mut candidates, matched, picture);
-        let Err(Stop::Abstained(_)) = answer else {
+        if !matches!(answer, Err(Stop::Abstained(_))) || self.stages_left.get() == 0 {
             return answer;
-        };
+        }
         let others = PosesFrom::Places(&SearchPlaces::others(field));
         let num_usual = candidates.len();
         let elsewhere = self.find_among(others, &mut candidates, matched, picture);
@@ -272,6 +291,7 @@ impl<'a> Search<'a> {
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, Stop> {
         let (prior, progress) = (&self.field_prior, self.progress);
+        self.stages_left.set(self.stages_left.get().saturating_sub(1));
         let mut decision = Decision {
             searched: self.searched,
             field_prior: prior,

@@ -92,7 +92,15 @@ impl MatchedFrames {
                 of: pairs,
             },
         )?;
-        Ok(Self::from_matches(frames, &matches)?)
+        let matched = Self::from_matches(frames, &matches)?;
+        report(
+            progress,
+            AutocalibrationProgress::Tied {
+                frames: matched.indices.clone(),
+                others: matched.others.clone(),
+            },
+        )?;
+        Ok(matched)
     }
 
     /// Keeps the largest group of frames of one size that `matches` connect.

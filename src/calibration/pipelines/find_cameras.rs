@@ -1,0 +1,269 @@
+//! The searches for the cameras of a match, one after the other: the frames that overlap with none
+//! of one camera's frames are another camera's, whether the one before was found or not.
+
+use super::kept_search::{KeptAnswer, KeptSearch, SearchEnd};
+use super::match_labels::{Labelling, MatchEvent};
+use super::no_camera::NoCamera;
+use super::other_cameras::split_off;
+use crate::autocalibrate::{AutocalibrationAnswer, AutocalibrationError, find_camera_in_stages};
+use crate::calibrate::{AutocalibratedCamera, record_found};
+use crate::proposals::read_picture;
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, PoisonError};
+use touchline_documents::document::CameraId;
+
+/// The answer of a search for a camera.
+type SearchAnswer = Result<Arc<AutocalibratedCamera>, NoCamera>;
+
+/// A search that ran to its end.
+type Searched = Result<(SearchEnd, SearchAnswer), AutocalibrationError>;
+
+impl Labelling<'_> {
+    /// Searches for a camera, and writes it into the document. Each search leaves the frames that
+    /// did not match its own; these are split off as another camera, which is searched in its
+    /// turn, until too few are left. A camera that is not found leaves its frames without one, and
+    /// the others are searched all the same. Returns the cameras that were found; if there are
+    /// none, the reason for the first one, and the document is unchanged.
+    ///
+    /// # Errors
+    /// A search failed, or was cancelled before a camera was found.
+    pub(super) fn find_cameras(
+        &mut self,
+        first: &CameraId,
+    ) -> Result<Result<Vec<Arc<AutocalibratedCamera>>, NoCamera>, AutocalibrationError> {
+        self.find_cameras_by(first, Self::search)
+    }
+
+    /// As [`find_cameras`](Self::find_cameras), where `search` answers for a camera within a number
+    /// of stages.
+    fn find_cameras_by(
+        &mut self,
+        first: &CameraId,
+        search: impl Fn(&mut Self, &CameraId, usize) -> Searched,
+    ) -> Result<Result<Vec<Arc<AutocalibratedCamera>>, NoCamera>, AutocalibrationError> {
+        let before = self.document.clone();
+        let mut found = Vec::new();
+        // Why the first camera was not found: the answer, unless another one is found.
+        let mut why_not_first = None;
+        let (mut camera, mut separate_frames) = (first.clone(), None);
+        // What one camera costs is a measure for the others: where there is no answer, the search
+        // tries all places with more and more frames.
+        let mut most_stages = usize::MAX;
+        loop {
+            let (end, answer) = match search(self, &camera, most_stages) {
+                Err(AutocalibrationError::Stopped) if !found.is_empty() => break,
+                searched => searched?,
+            };
+            if separate_frames.is_none() {
+                most_stages = end.stages;
+            }
+            match answer {
+                Ok(of_camera) => {
+                    // Written at once, because the frames of further cameras are split off from it.
+                    record_found(self.document, &camera, &of_camera);
+                    if let Some(why) = why_not_first.take() {
+                        self.report_not_found(first, why, None);
+                    }
+                    // What follows checks for itself whether the work is cancelled, and keeps what
+                    // is done.
+                    let _ = self.progress.report(MatchEvent::Found {
+                        camera: camera.clone(),
+                        found: Arc::clone(&of_camera),
+                        separate_frames,
+                        document: Box::new(self.document.clone()),
+                    });
+                    found.push(of_camera);
+                }
+                Err(why) if separate_frames.is_none() => why_not_first = Some(why),
+                Err(why) => self.report_not_found(&camera, why, separate_frames),
+            }
+            let Some(other) = split_off(self.document, &camera, &end.searched, &end.others) else {
+                break;
+            };
+            (camera, separate_frames) = (other, Some(end.others.len()));
+        }
+        Ok(match why_not_first {
+            Some(why) => {
+                *self.document = before;
+                Err(why)
+            }
+            None => Ok(found),
+        })
+    }
+
+    fn report_not_found(&self, camera: &CameraId, why: NoCamera, separate_frames: Option<usize>) {
+        let _ = self.progress.report(MatchEvent::NotFound {
+            document: Box::new(self.document.clone()),
+            camera: camera.clone(),
+            why,
+            separate_frames,
+        });
+    }
+
+    /// Searches for a camera, unless the answer to the same search was kept.
+    fn search(
+        &mut self,
+        camera: &CameraId,
+        most_stages: usize,
+    ) -> Searched {
+        let key = self.work.begin_key("search").and_then(|mut parts| {
+            let at = self.document.at(self.folder);
+            parts.add(camera);
+            parts.add(&self.options.sampled_frames);
+            parts.add(&most_stages);
+            parts.add_document(at);
+            parts.add_frames(at);
+            parts.finish()
+        });
+        let kept: Option<KeptSearch> = key.as_ref().and_then(|key| self.work.recall(key));
+        if let Some((end, answer)) = kept {
+            return Ok((end, answer.into_answer()));
+        }
+        let (end, answer) = self.search_afresh(camera, most_stages)?;
+        if let Some(key) = key {
+            let kept = KeptAnswer::from_answer(&answer, self.document);
+            self.work.keep(&key, &(end.clone(), kept));
+        }
+        Ok((end, answer))
+    }
+
+    /// Searches for a camera in at most so many stages. Each picture that cannot be read is reported
+    /// once.
+    fn search_afresh(
+        &mut self,
+        camera: &CameraId,
+        most_stages: usize,
+    ) -> Searched {
+        let at = self.document.at(self.folder);
+        let mut unreadable = BTreeSet::new();
+        let mut picture = |index: usize| {
+            let frame = &at.document.frames[index];
+            match read_picture(&mut *self.reader, frame, at.folder) {
+                Ok(picture) => Some(picture),
+                Err(error) => {
+                    if unreadable.insert(index) {
+                        let _ = self.progress.report(MatchEvent::Unreadable {
+                            frame: frame.name(),
+                            error,
+                        });
+                    }
+                    None
+                }
+            }
+        };
+        let end = Mutex::new(SearchEnd::default());
+        let progress = self.progress.part(|step| {
+            end.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .note(&step);
+            MatchEvent::Searching(step)
+        });
+        let extent = (self.options.sampled_frames, most_stages);
+        let answer = find_camera_in_stages(at, camera, extent, &mut picture, &progress)?;
+        drop(progress);
+        let answer = match answer {
+            AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
+            AutocalibrationAnswer::Two {
+                best,
+                other,
+                deciding,
+            } => Err(NoCamera::Two {
+                best,
+                other,
+                deciding,
+            }),
+            AutocalibrationAnswer::Abstained { why, clicks } => {
+                Err(NoCamera::Abstained { why, clicks })
+            }
+        };
+        let end = end.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok((end, answer))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::autocalibrate::Abstention;
+    use crate::pipelines::MatchOptions;
+    use crate::pipelines::kept_work::KeptWork;
+    use crate::calibrate::AutocalibrationEvidence;
+    use std::path::Path;
+    use touchline_core::progress::Progress;
+    use touchline_core::testing::{SIZE, soccer, turned_base};
+    use touchline_documents::document::{Camera, Document, ShotKind};
+    use touchline_documents::testing::cut_video;
+    use touchline_vision::media::FrameReader;
+
+    /// Four shots of 20 frames.
+    fn four_shots() -> Document {
+        let cuts = [20, 40, 60].map(|start| (start, ShotKind::Cut));
+        let mut document = cut_video("a.mp4", 80, &cuts);
+        let size = document.frames[0].image_size;
+        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+    }
+
+    fn a_camera() -> AutocalibratedCamera {
+        AutocalibratedCamera {
+            base: turned_base([0.0, -60.0, 15.0], [0.0; 3], SIZE),
+            field: soccer(),
+            sizes: Vec::new(),
+            frames: Vec::new(),
+            others: Vec::new(),
+            paint: Vec::new(),
+            evidence: AutocalibrationEvidence::default(),
+        }
+    }
+
+    /// Searches for the cameras of four shots, each of another camera, of which those in `refused`
+    /// give none. Returns the frames of each camera that was searched, whether any was found, and
+    /// the document.
+    fn find_in_shots(refused: &[usize]) -> (Vec<Vec<usize>>, bool, Document) {
+        let mut document = four_shots();
+        let mut labelling = Labelling {
+            document: &mut document,
+            folder: Path::new("."),
+            reader: &mut FrameReader::new(),
+            options: &MatchOptions::default(),
+            progress: &Progress::default(),
+            work: Arc::new(KeptWork::none()),
+        };
+        let searched = Mutex::new(Vec::new());
+        let found = labelling.find_cameras_by(&"main".into(), |labelling, camera, _| {
+            let frames = &labelling.document.frames;
+            let of_camera = (0..80).filter(|at| frames[*at].camera == *camera);
+            let of_camera: Vec<usize> = of_camera.collect();
+            let shot = of_camera[0] / 20;
+            let (searched_frames, others) =
+                of_camera.iter().partition(|frame| **frame / 20 == shot);
+            searched.lock().unwrap().push(of_camera);
+            let end = SearchEnd {
+                stages: 1,
+                searched: searched_frames,
+                others,
+            };
+            let answer = if refused.contains(&shot) {
+                let (why, clicks) = (Abstention::NothingFits, None);
+                Err(NoCamera::Abstained { why, clicks })
+            } else {
+                Ok(Arc::new(a_camera()))
+            };
+            Ok((end, answer))
+        });
+        (searched.into_inner().unwrap(), found.unwrap().is_ok(), document)
+    }
+
+    #[test]
+    fn a_camera_that_is_not_found_leaves_the_others_to_be_searched() {
+        let shots = |first: usize| (20 * first..80).collect::<Vec<_>>();
+        let each = [shots(0), shots(1), shots(2), shots(3)];
+        for refused in [&[][..], &[0], &[1], &[3], &[0, 1, 2]] {
+            let (searched, is_found, _) = find_in_shots(refused);
+            assert_eq!((searched, is_found), (each.to_vec(), true), "{refused:?}");
+        }
+        let (searched, is_found, document) = find_in_shots(&[0, 1, 2, 3]);
+        assert_eq!((searched, is_found), (each.to_vec(), false));
+        assert_eq!(document, four_shots(), "unchanged");
+    }
+}
