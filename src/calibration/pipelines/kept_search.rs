@@ -7,8 +7,8 @@ use crate::calibrate::kept::{Kept, kept};
 use std::sync::Arc;
 use touchline_documents::document::Document;
 
-/// How a search ended, and its answer.
-pub(super) type KeptSearch = (SearchEnd, KeptAnswer);
+/// How a search ended, and its answer if it had one.
+pub(super) type KeptSearch = (SearchEnd, Option<KeptAnswer>);
 
 /// How a search for a camera ended, whatever its answer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
