@@ -427,7 +427,9 @@ impl<'a> Search<'a> {
             let frames = sample_frames(some, masks_of, &known.unwrap_or_default(), picture)
                 .map_err(AutocalibrationError::from)?;
             if !is_known {
-                let features = frames.iter().map(|frame| (frame.index, frame.features.clone()));
+                let features = frames
+                    .iter()
+                    .map(|frame| (frame.index, frame.features.clone()));
                 let features: BTreeMap<usize, Features> = features.collect();
                 self.parts.keep(&name, &to_bytes(&features));
             }
@@ -462,7 +464,9 @@ mod tests {
         }
 
         fn keep(&self, part: &str, bytes: &[u8]) {
-            self.kept.borrow_mut().insert(part.to_owned(), bytes.to_vec());
+            self.kept
+                .borrow_mut()
+                .insert(part.to_owned(), bytes.to_vec());
         }
     }
 
@@ -486,7 +490,8 @@ mod tests {
             AutocalibrationProgress::Looking { .. } => ControlFlow::Continue(()),
             _ => ControlFlow::Break(()),
         });
-        let mut picture = |index: usize| Some(draw_picture(&field, *ptz.get(index.checked_sub(10)?)?));
+        let mut picture =
+            |index: usize| Some(draw_picture(&field, *ptz.get(index.checked_sub(10)?)?));
         let camera = CameraId::from("main");
         let _ = find_camera_in_stages(at, &camera, extent, &mut picture, &progress);
         drop(progress);
@@ -498,7 +503,10 @@ mod tests {
         let parts = InMemory::default();
         search_until(3, &parts);
         let names: Vec<String> = parts.kept.borrow().keys().cloned().collect();
-        assert!(names.iter().all(|name| name.starts_with("features-")), "{names:?}");
+        assert!(
+            names.iter().all(|name| name.starts_with("features-")),
+            "{names:?}"
+        );
         assert!(parts.recalled.borrow().is_empty());
         let in_full = search_until(usize::MAX, &parts);
         let recalled: BTreeSet<String> = parts.recalled.borrow().iter().cloned().collect();

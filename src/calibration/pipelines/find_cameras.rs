@@ -249,8 +249,8 @@ impl KeepParts for PartsInWork {
 mod tests {
     use super::*;
     use crate::autocalibrate::Abstention;
-    use crate::pipelines::MatchOptions;
     use crate::calibrate::AutocalibrationEvidence;
+    use crate::pipelines::MatchOptions;
     use std::path::Path;
     use touchline_core::testing::{SIZE, soccer, turned_base};
     use touchline_documents::document::{Camera, Document, ShotKind};
@@ -262,7 +262,9 @@ mod tests {
         let cuts = [20, 40, 60].map(|start| (start, ShotKind::Cut));
         let mut document = cut_video("a.mp4", 80, &cuts);
         let size = document.frames[0].image_size;
-        document.cameras.push(Camera::new("main".into(), size).into());
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         document
     }
 
