@@ -5,8 +5,9 @@
 //!    determine the camera of a video, it is labelled from them (`clicked_match.rs`).
 //!    Else:
 //! 1. The camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
-//! 2. Frames that overlap with none of its frames belong to another camera, which is searched in the
-//!    same way, and so on, whether the one before was found or not (`find_cameras.rs`).
+//! 2. Sampled frames that overlap with none of the others belong to another camera. They are split
+//!    off before the search, and searched in their turn, whether the one before was found or not
+//!    (`find_cameras.rs`).
 //! 3. The frames that were not sampled follow. Those of a video are tracked from the others, and
 //!    the base is refined on the paint of all of them; shots without a known frame are answered by
 //!    a forest that learns from the tracked frames, and are tracked in their turn. For images, a
