@@ -211,7 +211,7 @@ const fn share_of_search(at: &AutocalibrationProgress) -> Option<Share> {
         | AutocalibrationProgress::Adjusting { done, of }
         | AutocalibrationProgress::Sizing { done, of }
         | AutocalibrationProgress::Snapping { done, of } => Some(Share { done, of }),
-        AutocalibrationProgress::Tied { .. }
+        AutocalibrationProgress::Matched { .. }
         | AutocalibrationProgress::Gathering
         | AutocalibrationProgress::Refining => None,
     }

@@ -23,7 +23,7 @@ pub enum AutocalibrationProgress {
         of: usize,
     },
     /// The frames of one camera are known. What follows is searched from these alone.
-    Tied {
+    Matched {
         /// Indices in the document of the frames that match each other.
         frames: Vec<usize>,
         /// Indices in the document of the other sampled frames: taken to be another camera's.
@@ -91,7 +91,7 @@ impl AutocalibrationProgress {
             | Self::Adjusting { done, of }
             | Self::Sizing { done, of }
             | Self::Snapping { done, of } => done as f64 / of.max(1) as f64,
-            Self::Tied { .. } | Self::Gathering | Self::Refining => 0.0,
+            Self::Matched { .. } | Self::Gathering | Self::Refining => 0.0,
         }
     }
 }
@@ -113,7 +113,7 @@ impl fmt::Display for AutocalibrationProgress {
                 thousands(done),
                 thousands(of)
             ),
-            Self::Tied { ref frames, .. } => {
+            Self::Matched { ref frames, .. } => {
                 let count = thousands(frames.len());
                 write!(f, "{count} frames match each other")
             }

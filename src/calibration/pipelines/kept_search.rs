@@ -31,7 +31,7 @@ impl SearchEnd {
     pub fn note(&mut self, step: &AutocalibrationProgress) {
         match step {
             AutocalibrationProgress::Gathering => self.stages += 1,
-            AutocalibrationProgress::Tied { frames, others } => {
+            AutocalibrationProgress::Matched { frames, others } => {
                 self.searched.clone_from(frames);
                 self.others.clone_from(others);
             }

@@ -103,7 +103,7 @@ impl MatchedFrames {
         let matched = Self::from_matches(frames, &matches)?;
         report(
             progress,
-            AutocalibrationProgress::Tied {
+            AutocalibrationProgress::Matched {
                 frames: matched.indices.clone(),
                 others: matched.others.clone(),
             },
