@@ -92,7 +92,7 @@ impl MatchReport {
                     ));
                 }
             }
-            MatchEvent::OtherNotFound {
+            MatchEvent::NotFound {
                 document,
                 camera,
                 why,
@@ -100,8 +100,10 @@ impl MatchReport {
             } => {
                 shown.bar.clear();
                 let why = why.describe(&document);
-                let frames = pluralise(separate_frames, "frame");
-                messages.note(&format!("{frames} of another camera, {camera}: {why}"));
+                let of_another = separate_frames.map_or_else(String::new, |count| {
+                    format!("{} of another camera, ", pluralise(count, "frame"))
+                });
+                messages.note(&format!("{of_another}{camera}: not found: {why}"));
             }
             MatchEvent::Learning(LearningProgress::Features { done, of }) => {
                 let bar = shown.bar.of("Learning from the frames found", of);

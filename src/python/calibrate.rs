@@ -185,7 +185,7 @@ fn document_of_sequence(
 /// Shows an event of labelling a match as the share of its step.
 fn show_match(steps: &Steps, event: &MatchEvent) -> ControlFlow<()> {
     match event {
-        MatchEvent::Searching(at) => match share_of_search(*at) {
+        MatchEvent::Searching(at) => match share_of_search(at) {
             Some(Share { done, of }) => steps.report(done, of),
             None => steps.check(),
         },
@@ -203,15 +203,17 @@ fn show_match(steps: &Steps, event: &MatchEvent) -> ControlFlow<()> {
 }
 
 /// How far a step of the search for a camera is, where it says so.
-const fn share_of_search(at: AutocalibrationProgress) -> Option<Share> {
-    match at {
+const fn share_of_search(at: &AutocalibrationProgress) -> Option<Share> {
+    match *at {
         AutocalibrationProgress::Looking { done, of }
         | AutocalibrationProgress::Tying { done, of }
         | AutocalibrationProgress::Trying { done, of, .. }
         | AutocalibrationProgress::Adjusting { done, of }
         | AutocalibrationProgress::Sizing { done, of }
         | AutocalibrationProgress::Snapping { done, of } => Some(Share { done, of }),
-        AutocalibrationProgress::Gathering | AutocalibrationProgress::Refining => None,
+        AutocalibrationProgress::Matched { .. }
+        | AutocalibrationProgress::Gathering
+        | AutocalibrationProgress::Refining => None,
     }
 }
 

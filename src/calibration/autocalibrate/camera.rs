@@ -20,6 +20,7 @@ use crate::autocalibrate::frames::sampled_frames::{
 };
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::search::clicked::GroundClick;
+use crate::autocalibrate::search::focal_scales::PartsOfStage;
 use crate::autocalibrate::search::places::{SearchPlaces, is_court};
 use crate::autocalibrate::verdict::checks::contradicting_click;
 use crate::autocalibrate::verdict::decision::Decision;
@@ -27,9 +28,12 @@ use crate::autocalibrate::verdict::wanted_clicks::wanted_clicks;
 use crate::autocalibrate::{
     Abstention, AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress,
 };
-use std::collections::BTreeSet;
+use crate::calibrate::kept::{KeepParts, NothingKept, from_bytes, to_bytes};
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::progress::Progress;
 use touchline_documents::document::{CameraId, DocumentAt, FrameStatus};
+use touchline_vision::features::Features;
 
 /// Fewer clicks on landmarks of the ground determine no pose.
 const MIN_CLICKS: usize = 2;
@@ -60,14 +64,44 @@ pub fn find_camera(
     picture: PictureOfFrame<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
+    let whole = SearchExtent {
+        look_at,
+        most_stages: usize::MAX,
+        parts: &NothingKept,
+    };
+    find_camera_in_stages(document, camera, whole, picture, progress)
+}
+
+/// How far a search goes, and where its finished parts are kept.
+#[derive(Clone, Copy)]
+pub(crate) struct SearchExtent<'a> {
+    /// Maximum number of sampled frames, the first time.
+    pub look_at: usize,
+    /// Maximum number of stages.
+    pub most_stages: usize,
+    /// The parts that the same search finished before.
+    pub parts: &'a dyn KeepParts,
+}
+
+/// As [`find_camera`], in at most so many stages, each of which begins with
+/// [`AutocalibrationProgress::Gathering`]: the answer after the last of them counts.
+pub(crate) fn find_camera_in_stages(
+    document: DocumentAt<'_>,
+    camera: &CameraId,
+    extent: SearchExtent<'_>,
+    picture: PictureOfFrame<'_>,
+    progress: &Progress<'_, AutocalibrationProgress>,
+) -> Result<AutocalibrationAnswer, AutocalibrationError> {
     let mut search = Search::new(document, camera, progress)?;
+    search.most_stages = extent.most_stages;
+    search.parts = extent.parts;
     let clicks = GroundClick::from_frames(
         &document.frames,
         &search.of_camera,
         &search.field_prior.assumed,
     );
     search.clicks = clicks;
-    search.run(look_at, picture)
+    search.run(extent.look_at, picture)
 }
 
 /// Finds a camera of a document from its frames' pictures alone, as [`find_camera`] does without
@@ -93,6 +127,10 @@ struct Search<'a> {
     of_camera: Vec<usize>,
     /// The clicks that the search may use, with frames by their index in the document.
     clicks: Vec<GroundClick>,
+    /// The number of stages until now: each finds candidates in one way and decides.
+    stages: Cell<usize>,
+    most_stages: usize,
+    parts: &'a dyn KeepParts,
     progress: &'a Progress<'a, AutocalibrationProgress>,
 }
 
@@ -119,6 +157,9 @@ impl<'a> Search<'a> {
             ),
             field_prior,
             clicks: Vec::new(),
+            stages: Cell::new(0),
+            most_stages: usize::MAX,
+            parts: &NothingKept,
             progress,
         })
     }
@@ -139,7 +180,9 @@ impl<'a> Search<'a> {
         let mut sampled = Vec::new();
         match self.run_with(max_sampled, &mut sampled, picture)? {
             AutocalibrationAnswer::Abstained { why, .. }
-                if self.of_camera.len() > max_sampled && why.is_for_want_of_frames() =>
+                if self.of_camera.len() > max_sampled
+                    && why.is_for_want_of_frames()
+                    && self.may_go_on() =>
             {
                 self.run_with(2 * max_sampled, &mut sampled, picture)
             }
@@ -183,6 +226,11 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Whether another stage may follow.
+    const fn may_go_on(&self) -> bool {
+        self.stages.get() < self.most_stages
+    }
+
     /// The matched frames with the lens that the document states of the camera.
     fn with_stated_lens(&self, matched: MatchedFrames) -> MatchedFrames {
         let SearchedCamera {
@@ -204,7 +252,7 @@ impl<'a> Search<'a> {
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
         let matched = self
             .sample(self.choose_frames(max_sampled), sampled, picture)
-            .and_then(|()| MatchedFrames::from_sampled(sampled, self.progress))
+            .and_then(|()| MatchedFrames::from_sampled(sampled, self.parts, self.progress))
             .map(|matched| self.with_stated_lens(matched));
         let (answer, matched) = match matched {
             Ok(matched) => (self.find(&matched, picture), Some(matched)),
@@ -244,9 +292,9 @@ impl<'a> Search<'a> {
         let field = &self.field_prior.assumed;
         let usual = PosesFrom::Places(&SearchPlaces::usual(field));
         let answer = self.find_among(usual, &mut candidates, matched, picture);
-        let Err(Stop::Abstained(_)) = answer else {
+        if !matches!(answer, Err(Stop::Abstained(_))) || !self.may_go_on() {
             return answer;
-        };
+        }
         let others = PosesFrom::Places(&SearchPlaces::others(field));
         let num_usual = candidates.len();
         let elsewhere = self.find_among(others, &mut candidates, matched, picture);
@@ -272,6 +320,7 @@ impl<'a> Search<'a> {
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, Stop> {
         let (prior, progress) = (&self.field_prior, self.progress);
+        self.stages.set(self.stages.get() + 1);
         let mut decision = Decision {
             searched: self.searched,
             field_prior: prior,
@@ -282,7 +331,16 @@ impl<'a> Search<'a> {
             progress,
         };
         let num_before = candidates.len();
-        let placed = find_panoramas(matched, origin, prior, progress)?;
+        let placed = find_panoramas(
+            matched,
+            origin,
+            prior,
+            PartsOfStage {
+                parts: self.parts,
+                stage: self.stages.get(),
+            },
+            progress,
+        )?;
         let add = |candidates: &mut Vec<Hypothesis>, reach| -> Result<(), Stop> {
             let mut added = adjust_panoramas(&placed, reach, prior, matched, progress)?;
             added.retain(|candidate| num_before == 0 || candidate.nats() >= MIN_NATS);
@@ -361,11 +419,100 @@ impl<'a> Search<'a> {
                     of: indices.len(),
                 },
             )?;
-            sampled.extend(
-                sample_frames(some, masks_of, picture).map_err(AutocalibrationError::from)?,
-            );
+            let name = format!("features-{}-{}", some[0], some[some.len() - 1]);
+            let known = self.parts.recall(&name);
+            let known: Option<BTreeMap<usize, Features>> =
+                known.and_then(|bytes| from_bytes(&bytes));
+            let is_known = known.is_some();
+            let frames = sample_frames(some, masks_of, &known.unwrap_or_default(), picture)
+                .map_err(AutocalibrationError::from)?;
+            if !is_known {
+                let features = frames
+                    .iter()
+                    .map(|frame| (frame.index, frame.features.clone()));
+                let features: BTreeMap<usize, Features> = features.collect();
+                self.parts.keep(&name, &to_bytes(&features));
+            }
+            sampled.extend(frames);
         }
         sampled.sort_by_key(|frame| frame.index);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::autocalibrate::rotating_camera::{document, draw_picture, ptz, soccer};
+    use std::cell::RefCell;
+    use std::ops::ControlFlow;
+    use std::path::Path;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Counts the parts that are kept and recalled.
+    #[derive(Default)]
+    struct InMemory {
+        kept: RefCell<BTreeMap<String, Vec<u8>>>,
+        recalled: RefCell<Vec<String>>,
+    }
+
+    impl KeepParts for InMemory {
+        fn recall(&self, part: &str) -> Option<Vec<u8>> {
+            let kept = self.kept.borrow().get(part).cloned()?;
+            self.recalled.borrow_mut().push(part.to_owned());
+            Some(kept)
+        }
+
+        fn keep(&self, part: &str, bytes: &[u8]) {
+            self.kept
+                .borrow_mut()
+                .insert(part.to_owned(), bytes.to_vec());
+        }
+    }
+
+    /// Searches among the views of a drawn camera until a number of pairs are matched. Returns the
+    /// number of reported pairs.
+    fn search_until(pairs: usize, parts: &InMemory) -> usize {
+        let (document, field, ptz) = (document(), soccer().assumed, ptz());
+        let at = document.at(Path::new(""));
+        let extent = SearchExtent {
+            look_at: 40,
+            most_stages: 1,
+            parts,
+        };
+        let matched = AtomicUsize::new(0);
+        let progress = Progress::new(|step| match step {
+            AutocalibrationProgress::Tying { .. }
+                if matched.fetch_add(1, Ordering::Relaxed) < pairs =>
+            {
+                ControlFlow::Continue(())
+            }
+            AutocalibrationProgress::Looking { .. } => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        });
+        let mut picture =
+            |index: usize| Some(draw_picture(&field, *ptz.get(index.checked_sub(10)?)?));
+        let camera = CameraId::from("main");
+        let _ = find_camera_in_stages(at, &camera, extent, &mut picture, &progress);
+        drop(progress);
+        matched.into_inner()
+    }
+
+    #[test]
+    fn features_and_matches_of_a_killed_search_are_taken_up() {
+        let parts = InMemory::default();
+        search_until(3, &parts);
+        let names: Vec<String> = parts.kept.borrow().keys().cloned().collect();
+        assert!(
+            names.iter().all(|name| name.starts_with("features-")),
+            "{names:?}"
+        );
+        assert!(parts.recalled.borrow().is_empty());
+        let in_full = search_until(usize::MAX, &parts);
+        let recalled: BTreeSet<String> = parts.recalled.borrow().iter().cloned().collect();
+        assert_eq!(recalled, names.into_iter().collect());
+        assert!(parts.kept.borrow().contains_key("matches-7"));
+        assert!(in_full > 20, "every pair: {in_full}");
+        assert_eq!(search_until(usize::MAX, &parts), 1, "the end alone");
     }
 }

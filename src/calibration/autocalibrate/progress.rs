@@ -6,7 +6,7 @@ use touchline_core::geometry::thousands;
 use touchline_core::progress::Progress;
 
 /// Progress of the search. `Display` shows it as text: "matching pairs of frames, 212 of 480".
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AutocalibrationProgress {
     /// Frames are sampled.
     Looking {
@@ -22,7 +22,15 @@ pub enum AutocalibrationProgress {
         /// Total number.
         of: usize,
     },
-    /// Persistent paint is collected.
+    /// The frames of one camera are known. What follows is searched from these alone.
+    Matched {
+        /// Indices in the document of the frames that match each other.
+        frames: Vec<usize>,
+        /// Indices in the document of the other sampled frames: taken to be another camera's.
+        others: Vec<usize>,
+    },
+    /// Persistent paint is collected, once for each kind of places that is searched and each number
+    /// of frames.
     Gathering,
     /// Positions of the camera are searched.
     Trying {
@@ -83,7 +91,7 @@ impl AutocalibrationProgress {
             | Self::Adjusting { done, of }
             | Self::Sizing { done, of }
             | Self::Snapping { done, of } => done as f64 / of.max(1) as f64,
-            Self::Gathering | Self::Refining => 0.0,
+            Self::Matched { .. } | Self::Gathering | Self::Refining => 0.0,
         }
     }
 }
@@ -105,6 +113,10 @@ impl fmt::Display for AutocalibrationProgress {
                 thousands(done),
                 thousands(of)
             ),
+            Self::Matched { ref frames, .. } => {
+                let count = thousands(frames.len());
+                write!(f, "{count} frames match each other")
+            }
             Self::Gathering => f.write_str("collecting the painted lines"),
             Self::Refining => f.write_str("adjusting the base to the paint of every frame"),
             Self::Trying { places, done, of } => {

@@ -1,19 +1,49 @@
 //! The answer of a search for a camera, as it is kept.
 
 use super::no_camera::NoCamera;
+use crate::autocalibrate::AutocalibrationProgress;
 use crate::calibrate::AutocalibratedCamera;
-use crate::calibrate::kept::Kept;
+use crate::calibrate::kept::{Kept, kept};
 use std::sync::Arc;
 use touchline_documents::document::Document;
 
-/// The number of steps of a search, and its answer.
-pub(super) type KeptSearch = (usize, KeptAnswer);
+/// How a search ended, and its answer if it had one.
+pub(super) type KeptSearch = (SearchEnd, Option<KeptAnswer>);
+
+/// How a search for a camera ended, whatever its answer.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct SearchEnd {
+    /// The number of its stages: each searches one kind of places from one number of frames, at
+    /// about the same cost.
+    pub stages: usize,
+    /// Indices in the document of the sampled frames that match each other and were searched.
+    pub searched: Vec<usize>,
+    /// Indices in the document of the sampled frames that match none of these.
+    pub others: Vec<usize>,
+}
+
+kept! {
+    SearchEnd { stages, searched, others }
+}
+
+impl SearchEnd {
+    /// Notes what a step of the search says.
+    pub fn note(&mut self, step: &AutocalibrationProgress) {
+        match step {
+            AutocalibrationProgress::Gathering => self.stages += 1,
+            AutocalibrationProgress::Matched { frames, others } => {
+                self.searched.clone_from(frames);
+                self.others.clone_from(others);
+            }
+            _ => {}
+        }
+    }
+}
 
 /// What is kept of an answer: the camera, or what is said where there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum KeptAnswer {
     Found(Arc<AutocalibratedCamera>),
-    Expensive,
     NoCamera {
         message: String,
         asks_for_clicks: bool,
@@ -28,7 +58,6 @@ impl KeptAnswer {
     ) -> Self {
         match answer {
             Ok(found) => Self::Found(Arc::clone(found)),
-            Err(NoCamera::Expensive) => Self::Expensive,
             Err(why) => Self::NoCamera {
                 message: why.describe(document),
                 asks_for_clicks: why.asks_for_clicks(),
@@ -40,7 +69,6 @@ impl KeptAnswer {
     pub fn into_answer(self) -> Result<Arc<AutocalibratedCamera>, NoCamera> {
         match self {
             Self::Found(found) => Ok(found),
-            Self::Expensive => Err(NoCamera::Expensive),
             Self::NoCamera {
                 message,
                 asks_for_clicks,
@@ -59,12 +87,11 @@ impl Kept for KeptAnswer {
                 0_u8.write(bytes);
                 found.write(bytes);
             }
-            Self::Expensive => 1_u8.write(bytes),
             Self::NoCamera {
                 message,
                 asks_for_clicks,
             } => {
-                2_u8.write(bytes);
+                1_u8.write(bytes);
                 message.write(bytes);
                 asks_for_clicks.write(bytes);
             }
@@ -74,8 +101,7 @@ impl Kept for KeptAnswer {
     fn read(bytes: &mut &[u8]) -> Option<Self> {
         match u8::read(bytes)? {
             0 => Some(Self::Found(Arc::new(Kept::read(bytes)?))),
-            1 => Some(Self::Expensive),
-            2 => Some(Self::NoCamera {
+            1 => Some(Self::NoCamera {
                 message: Kept::read(bytes)?,
                 asks_for_clicks: Kept::read(bytes)?,
             }),

@@ -12,6 +12,7 @@
 //! | cuts of a video | the video |
 //! | what a shot shows | three of its pictures |
 //! | search for a camera | frames, clicks, shots, field, number of sampled frames |
+//! | its parts: features of eight frames, matches, poses at one focal scale | the search |
 //! | a clip tracked | its frames and what is known of them, base, field, options |
 //! | a base refined | the tracked frames of its camera |
 //! | other shots by a forest | all frames |

@@ -5,8 +5,9 @@
 //!    determine the camera of a video, it is labelled from them (`clicked_match.rs`).
 //!    Else:
 //! 1. The camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
-//! 2. Frames that overlap with none of its frames belong to another camera, which is found in the
-//!    same way, and so on.
+//! 2. Sampled frames that overlap with none of the others belong to another camera. They are split
+//!    off before the search, and searched in their turn, whether the one before was found or not
+//!    (`find_cameras.rs`).
 //! 3. The frames that were not sampled follow. Those of a video are tracked from the others, and
 //!    the base is refined on the paint of all of them; shots without a known frame are answered by
 //!    a forest that learns from the tracked frames, and are tracked in their turn. For images, a
@@ -17,24 +18,15 @@ use super::forest_labels::{
     ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames,
     learn_forest,
 };
-use super::kept_search::{KeptAnswer, KeptSearch};
 use super::kept_work::KeptWork;
 use super::no_camera::NoCamera;
-use super::other_cameras::split_off;
 use super::shots::mark_shots;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_kept_clips};
-use crate::autocalibrate::{
-    AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, find_camera,
-};
-use crate::calibrate::{AutocalibratedCamera, clips, record_found};
-use crate::proposals::{
-    FeatureStore, FramePictures, LearnOptions, PictureError, WorkFolder, read_picture,
-};
-use std::collections::BTreeSet;
-use std::ops::ControlFlow;
+use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
+use crate::calibrate::{AutocalibratedCamera, clips};
+use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, WorkFolder};
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldError;
@@ -114,16 +106,17 @@ pub enum MatchEvent {
         /// Its base.
         base: Option<Box<CameraBase>>,
     },
-    /// A further camera was not found; its frames stay without one.
-    OtherNotFound {
+    /// One of several cameras was not found; its frames stay without one.
+    NotFound {
         /// The present document.
         document: Box<Document>,
         /// Id of the camera.
         camera: CameraId,
         /// Why there is no answer.
         why: NoCamera,
-        /// Number of sampled frames that overlap with none of the cameras before.
-        separate_frames: usize,
+        /// For every camera but the first: number of sampled frames that overlap with none of the
+        /// cameras before.
+        separate_frames: Option<usize>,
     },
     /// A forest is trained on the frames that were found.
     Learning(LearningProgress),
@@ -143,7 +136,7 @@ pub enum MatchEvent {
 pub enum MatchLabels {
     /// Its frames have cameras.
     Labelled(LabelledMatch),
-    /// No camera was found; the document is unchanged.
+    /// No camera was found, for this reason the first; the document is unchanged.
     NoCamera(NoCamera),
 }
 
@@ -220,7 +213,6 @@ pub fn label_match(
         reader,
         options,
         progress,
-        search_steps: 0,
         work: Arc::new(
             options
                 .work
@@ -236,22 +228,11 @@ pub fn label_match(
     {
         return Ok(MatchLabels::Labelled(labelled));
     }
-    let first = match labelling.search(camera, usize::MAX)? {
-        Ok(found) => found,
+    let cameras = match labelling.find_cameras(camera)? {
+        Ok(cameras) => cameras,
         Err(why) => return Ok(MatchLabels::NoCamera(why)),
     };
-    // The camera is written at once, because the frames of further cameras are split off from it.
-    record_found(labelling.document, camera, &first);
-    // The following steps check for themselves whether the work is cancelled, and keep what is
-    // done.
-    let _ = progress.report(MatchEvent::Found {
-        camera: camera.clone(),
-        found: Arc::clone(&first),
-        separate_frames: None,
-        document: Box::new(labelling.document.clone()),
-    });
-    // Further cameras, then the frames that were not sampled.
-    let cameras = labelling.find_other_cameras(camera.clone(), first)?;
+    // Then the frames that were not sampled.
     let open = frames_without_camera(labelling.document);
     if options.label_the_rest && !open.is_empty() && !progress.is_cancelled() {
         labelling.label_the_rest(&cameras)?;
@@ -354,10 +335,8 @@ pub(super) struct Labelling<'a> {
     pub document: &'a mut Document,
     pub folder: &'a Path,
     pub reader: &'a mut dyn ReadFrames,
-    options: &'a MatchOptions,
+    pub options: &'a MatchOptions,
     pub progress: &'a Progress<'a, MatchEvent>,
-    /// The number of steps that the last search took.
-    search_steps: usize,
     /// The finished parts.
     pub work: Arc<KeptWork>,
 }
@@ -393,145 +372,6 @@ impl Labelling<'_> {
             without_field: count(|shot| shot.content == Some(ShotContent::NoField)),
         });
         Ok(())
-    }
-
-    /// Searches for a camera, unless the answer to the same search was kept.
-    fn search(
-        &mut self,
-        camera: &CameraId,
-        most_steps: usize,
-    ) -> Result<Result<Arc<AutocalibratedCamera>, NoCamera>, AutocalibrationError> {
-        let key = self.work.begin_key("search").and_then(|mut parts| {
-            let at = self.document.at(self.folder);
-            parts.add(camera);
-            parts.add(&self.options.sampled_frames);
-            parts.add(&most_steps);
-            parts.add_document(at);
-            parts.add_frames(at);
-            parts.finish()
-        });
-        let kept: Option<KeptSearch> = key.as_ref().and_then(|key| self.work.recall(key));
-        if let Some((steps, answer)) = kept {
-            self.search_steps = steps;
-            return Ok(answer.into_answer());
-        }
-        let answer = self.search_afresh(camera, most_steps)?;
-        if let Some(key) = key {
-            let kept = KeptAnswer::from_answer(&answer, self.document);
-            self.work.keep(&key, &(self.search_steps, kept));
-        }
-        Ok(answer)
-    }
-
-    /// Searches for a camera. Each picture that cannot be read is reported once. The search ends
-    /// after `most_steps` of its steps, and then gives [`NoCamera::Expensive`].
-    fn search_afresh(
-        &mut self,
-        camera: &CameraId,
-        most_steps: usize,
-    ) -> Result<Result<Arc<AutocalibratedCamera>, NoCamera>, AutocalibrationError> {
-        let at = self.document.at(self.folder);
-        let mut unreadable = BTreeSet::new();
-        let mut picture = |index: usize| {
-            let frame = &at.document.frames[index];
-            match read_picture(&mut *self.reader, frame, at.folder) {
-                Ok(picture) => Some(picture),
-                Err(error) => {
-                    if unreadable.insert(index) {
-                        let _ = self.progress.report(MatchEvent::Unreadable {
-                            frame: frame.name(),
-                            error,
-                        });
-                    }
-                    None
-                }
-            }
-        };
-        // Its own progress, so that the limit does not cancel the whole work.
-        let steps = AtomicUsize::new(0);
-        let progress = Progress::new(|step| {
-            let is_over = steps.fetch_add(1, Ordering::Relaxed) >= most_steps;
-            match self.progress.report(MatchEvent::Searching(step)) {
-                ControlFlow::Continue(()) if is_over => ControlFlow::Break(()),
-                answer => answer,
-            }
-        });
-        let sampled_frames = self.options.sampled_frames;
-        let answer = find_camera(at, camera, sampled_frames, &mut picture, &progress);
-        drop(progress);
-        self.search_steps = steps.into_inner();
-        let answer = match answer {
-            Err(AutocalibrationError::Stopped) if !self.progress.is_cancelled() => {
-                return Ok(Err(NoCamera::Expensive));
-            }
-            answer => answer?,
-        };
-        Ok(match answer {
-            AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
-            AutocalibrationAnswer::Two {
-                best,
-                other,
-                deciding,
-            } => Err(NoCamera::Two {
-                best,
-                other,
-                deciding,
-            }),
-            AutocalibrationAnswer::Abstained { why, clicks } => {
-                Err(NoCamera::Abstained { why, clicks })
-            }
-        })
-    }
-
-    /// Splits off the frames that overlap with none of a camera's frames as a new camera, searches
-    /// for it, and repeats that with the frames that remain. Returns all cameras, `first` included.
-    fn find_other_cameras(
-        &mut self,
-        camera: CameraId,
-        first: Arc<AutocalibratedCamera>,
-    ) -> Result<Vec<Arc<AutocalibratedCamera>>, AutocalibrationError> {
-        // Each search leaves the frames that did not match its group; the next camera is searched
-        // among these. A search without an answer ends it.
-        let (mut found, mut of) = (vec![first], camera);
-        // What one camera costs is a measure for the others: their frames are fewer, and where
-        // there is no answer, the search tries all places with more and more frames.
-        let most_steps = self.search_steps;
-        while let Some(last) = found.last() {
-            let sampled: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
-            let Some(other) = split_off(self.document, &of, &sampled, &last.others) else {
-                break;
-            };
-            let separate_frames = last.others.len();
-            let answer = match self.search(&other, most_steps) {
-                Err(AutocalibrationError::Stopped) => break,
-                answer => answer?,
-            };
-            match answer {
-                Ok(camera) => {
-                    record_found(self.document, &other, &camera);
-                    let _ = self.progress.report(MatchEvent::Found {
-                        camera: other.clone(),
-                        found: Arc::clone(&camera),
-                        separate_frames: Some(separate_frames),
-                        document: Box::new(self.document.clone()),
-                    });
-                    found.push(camera);
-                    of = other;
-                }
-                Err(why) => {
-                    let document = Box::new(self.document.clone());
-                    let event = MatchEvent::OtherNotFound {
-                        document,
-                        camera: other,
-                        why,
-                        separate_frames,
-                    };
-                    let _ = self.progress.report(event);
-                    break;
-                }
-            }
-        }
-        Ok(found)
     }
 
     /// Labels the frames that have no camera yet: by tracking if the document has videos, else by a

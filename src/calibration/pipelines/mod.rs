@@ -11,6 +11,7 @@
 
 mod clicked_match;
 mod clip_evidence;
+mod find_cameras;
 mod forest_labels;
 mod kept_search;
 mod kept_work;

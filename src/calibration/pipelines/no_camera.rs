@@ -16,8 +16,6 @@ pub enum NoCamera {
         /// A click that decides between the two.
         deciding: Option<DecidingLandmark>,
     },
-    /// The search took as many steps as that of the first camera, and had no answer by then.
-    Expensive,
     /// No answer was certain when the same search was made before.
     Before {
         /// The message of that search.
@@ -39,7 +37,6 @@ impl NoCamera {
     pub const fn asks_for_clicks(&self) -> bool {
         match self {
             Self::Two { .. } => true,
-            Self::Expensive => false,
             Self::Before {
                 asks_for_clicks, ..
             } => *asks_for_clicks,
@@ -56,9 +53,6 @@ impl NoCamera {
                 other,
                 deciding,
             } => describe_two(document, best, other, deciding.as_ref()),
-            Self::Expensive => "not found at the cost of the first camera; click 4 landmarks on 2 \
-                                of its frames in the window"
-                .to_owned(),
             Self::Before { message, .. } => message.clone(),
             Self::Abstained { why, clicks } => {
                 format!("{why}{}", describe_clicks(document, clicks.as_ref()))

@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use touchline_documents::document::{CameraId, Clip, Document};
 
 /// Minimum number of frames for a separate camera.
-const MIN_FRAMES: usize = 6;
+pub(super) const MIN_FRAMES: usize = 6;
 
 /// Assigns the frames `others`, and those between two of them, to a new camera without a base.
-/// `camera` is the camera that was found, and `looked_at` are its sampled frames. Returns the new
-/// id; none if there are too few others.
+/// `camera` is the camera that they had, and `looked_at` are its sampled frames. Returns the new
+/// id; none if there are too few others, or if they all lie in its shots.
 pub(super) fn split_off(
     document: &mut Document,
     camera: &CameraId,
@@ -20,30 +20,20 @@ pub(super) fn split_off(
     if others.len() < MIN_FRAMES {
         return None;
     }
-    // The next free id: main, main_2, main_3, …
-    let mut number = 2;
-    let id = loop {
-        let id = CameraId::from(format!("{}_{number}", first_name(camera)).as_str());
-        if document.camera(&id).is_none() {
-            break id;
-        }
-        number += 1;
-    };
-    // Cameras of one video or folder stand in the same stadium: they share graphics and field.
-    add_camera_like(document, &id, camera).ok()?;
     // Assign the frames that were not sampled. A frame between two sampled frames of the new camera
     // goes to it. Before the first and after the last sampled frame, the nearest one decides.
     let mut is_other: BTreeMap<usize, bool> =
         looked_at.iter().map(|index| (*index, false)).collect();
     is_other.extend(others.iter().map(|index| (*index, true)));
     // One camera films a shot, so that its sampled frames decide for all its frames; in doubt those
-    // of the camera that was found, whose frames match each other.
+    // of the camera that they had, whose frames match each other.
     let mut of_shot: BTreeMap<Clip, bool> = BTreeMap::new();
     for (index, is_other) in &is_other {
         if let Some(shot) = &document.frames[*index].clip {
             *of_shot.entry(shot.clone()).or_insert(true) &= *is_other;
         }
     }
+    let mut of_new = Vec::new();
     for index in 0..document.frames.len() {
         // A sampled frame is its own neighbour on both sides, so it gets the camera that it was
         // found to have.
@@ -58,8 +48,25 @@ pub(super) fn split_off(
             .copied()
             .unwrap_or_else(|| before.or(after) == Some(true) && after.or(before) == Some(true));
         if frame.camera == *camera && is_of_new {
-            document.frames[index].camera = id.clone();
+            of_new.push(index);
         }
+    }
+    if of_new.is_empty() {
+        return None;
+    }
+    // The next free id: main, main_2, main_3, …
+    let mut number = 2;
+    let id = loop {
+        let id = CameraId::from(format!("{}_{number}", first_name(camera)).as_str());
+        if document.camera(&id).is_none() {
+            break id;
+        }
+        number += 1;
+    };
+    // Cameras of one video or folder stand in the same stadium: they share graphics and field.
+    add_camera_like(document, &id, camera).ok()?;
+    for index in of_new {
+        document.frames[index].camera = id.clone();
     }
     Some(id)
 }

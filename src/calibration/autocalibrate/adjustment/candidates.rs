@@ -25,7 +25,7 @@ use crate::autocalibrate::frames::rotations_by_focal_scale::RotationsByFocalScal
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::search::clicked::GroundClick;
 use crate::autocalibrate::search::focal_scales::{
-    PosesByFocalScale, ScaledPose, poses_from_clicks, search_poses,
+    PartsOfStage, PosesByFocalScale, ScaledPose, poses_from_clicks, search_poses,
 };
 use crate::autocalibrate::search::panorama_fit::{PanoramaFit, PanoramaStart, fit_panorama};
 use crate::autocalibrate::search::pitch_map::PitchMap;
@@ -109,13 +109,14 @@ pub fn find_panoramas(
     matched: &MatchedFrames,
     origin: PosesFrom<'_>,
     field_prior: &FieldPrior,
+    parts: PartsOfStage<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PlacedPanoramas, Stop> {
     report(progress, AutocalibrationProgress::Gathering)?;
     let fields = field_prior.search_fields();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::with_grid).collect();
     let found = match origin {
-        PosesFrom::Places(places) => search_poses(matched, &maps, places, progress)?,
+        PosesFrom::Places(places) => search_poses(matched, &maps, places, parts, progress)?,
         PosesFrom::Clicks(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, progress)?,
     };
     Ok(place_panoramas(found, &fields, field_prior))
@@ -373,12 +374,18 @@ mod tests {
         matched_views_with_pixels, ptz, soccer,
     };
     use crate::autocalibrate::search::pose::PanoramaPose;
+    use crate::calibrate::kept::NothingKept;
     use std::ops::ControlFlow;
     use std::path::Path;
     use std::sync::{Arc, Mutex};
     use touchline_core::camera::PtzCamera;
     use touchline_core::geometry::Vec3;
     use touchline_documents::document::FieldSize;
+
+    const NOTHING_KEPT: PartsOfStage<'_> = PartsOfStage {
+        parts: &NothingKept,
+        stage: 1,
+    };
 
     const ALL_VIEWS: [usize; 7] = [0, 1, 2, 3, 4, 5, 6];
 
@@ -487,6 +494,7 @@ mod tests {
             &matched,
             PosesFrom::Clicks(&clicks),
             &prior,
+            NOTHING_KEPT,
             &Progress::default(),
         );
         assert!(matches!(
@@ -502,7 +510,13 @@ mod tests {
         let progress = Progress::new(|_| ControlFlow::Break(()));
         let usual = SearchPlaces::usual(&known_field().assumed);
         let origin = PosesFrom::Places(&usual);
-        let stopped = find_panoramas(&matched_views(), origin, &known_field(), &progress);
+        let stopped = find_panoramas(
+            &matched_views(),
+            origin,
+            &known_field(),
+            NOTHING_KEPT,
+            &progress,
+        );
         assert!(matches!(
             stopped,
             Err(Stop::Failed(AutocalibrationError::Stopped))

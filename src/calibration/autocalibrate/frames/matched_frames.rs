@@ -11,6 +11,7 @@ use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::{Abstention, AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::AutocalibratedFrame;
+use crate::calibrate::kept::KeepParts;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use touchline_core::camera::StatedLens;
@@ -71,20 +72,27 @@ pub struct FramesAtScale {
 }
 
 impl MatchedFrames {
-    /// Matches the sampled frames and keeps the largest connected group.
+    /// Matches the sampled frames, unless these matches were kept, and takes the largest connected
+    /// group.
     ///
     /// # Errors
     /// Too few frames are connected, the search was stopped, or OpenCV is missing or failed.
     pub fn from_sampled(
         frames: &[SampledFrame],
+        parts: &dyn KeepParts,
         progress: &Progress<'_, AutocalibrationProgress>,
     ) -> Result<Self, Stop> {
         let features: Vec<Features> = frames.iter().map(|frame| frame.features.clone()).collect();
         let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
         let of_pairs =
             progress.part(|Share { done, of }| AutocalibrationProgress::Tying { done, of });
-        let matches =
-            match_frames_pairwise(&features, &of_pairs).map_err(AutocalibrationError::Track)?;
+        let matches = parts
+            .part(
+                &format!("matches-{}", frames.len()),
+                || match_frames_pairwise(&features, &of_pairs),
+                || !progress.is_cancelled(),
+            )
+            .map_err(AutocalibrationError::Track)?;
         report(
             progress,
             AutocalibrationProgress::Tying {
@@ -92,7 +100,15 @@ impl MatchedFrames {
                 of: pairs,
             },
         )?;
-        Ok(Self::from_matches(frames, &matches)?)
+        let matched = Self::from_matches(frames, &matches)?;
+        report(
+            progress,
+            AutocalibrationProgress::Matched {
+                frames: matched.indices.clone(),
+                others: matched.others.clone(),
+            },
+        )?;
+        Ok(matched)
     }
 
     /// Keeps the largest group of frames of one size that `matches` connect.

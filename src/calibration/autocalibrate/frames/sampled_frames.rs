@@ -1,6 +1,7 @@
 //! The sampled frames, and what is kept of each picture: its features and its marking pixels.
 
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::features::{FeatureError, FeatureOptions, Features, extract};
 use touchline_vision::media::Picture;
@@ -24,7 +25,7 @@ pub struct SampledFrame {
 }
 
 impl SampledFrame {
-    /// Extracts features and marking pixels outside `masks`.
+    /// Extracts features, unless they are known, and marking pixels outside `masks`.
     ///
     /// # Errors
     /// The program was built without OpenCV, or OpenCV refused.
@@ -32,12 +33,16 @@ impl SampledFrame {
         index: usize,
         picture: &Picture,
         masks: Vec<PixelBox>,
+        known: Option<Features>,
     ) -> Result<Self, FeatureError> {
         let options = FeatureOptions {
             root_sift: true,
             ..FeatureOptions::default()
         };
-        let features = extract(picture, &masks, &options)?;
+        let features = match known {
+            Some(features) => features,
+            None => extract(picture, &masks, &options)?,
+        };
         let marking_pixels = MarkingPixels::detect(&GroundPicture::new(picture, &masks));
         Ok(Self {
             index,
@@ -52,18 +57,23 @@ impl SampledFrame {
     }
 }
 
-/// Samples some frames in parallel. Frames whose picture cannot be read are left out.
+/// Samples some frames in parallel, of which features may be known, by index. Frames whose picture
+/// cannot be read are left out.
 ///
 /// # Errors
 /// As [`SampledFrame::from_picture`].
 pub fn sample_frames(
     indices: &[usize],
     masks_of: impl Fn(usize) -> Vec<PixelBox> + Sync,
+    known: &BTreeMap<usize, Features>,
     picture: PictureOfFrame<'_>,
 ) -> Result<Vec<SampledFrame>, FeatureError> {
     read_pictures(indices, picture)
         .par_iter()
-        .map(|(index, picture)| SampledFrame::from_picture(*index, picture, masks_of(*index)))
+        .map(|(index, picture)| {
+            let known = known.get(index).cloned();
+            SampledFrame::from_picture(*index, picture, masks_of(*index), known)
+        })
         .collect()
 }
 

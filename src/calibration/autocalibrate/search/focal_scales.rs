@@ -17,7 +17,9 @@ use crate::autocalibrate::frames::panorama::Panorama;
 use crate::autocalibrate::frames::rotations_by_focal_scale::RotationsByFocalScale;
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::{Abstention, AutocalibrationProgress};
+use crate::calibrate::kept::KeepParts;
 use rayon::prelude::*;
+use std::convert::Infallible;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use touchline_core::field::FieldModel;
@@ -50,6 +52,26 @@ const LEANS_FITTED: usize = 2;
 /// Maximum number of poses of one focal scale that are refined further.
 const MAX_PER_SCALE: usize = 3;
 
+/// The finished parts of one stage of a search.
+#[derive(Clone, Copy)]
+pub struct PartsOfStage<'a> {
+    /// Those of the whole search.
+    pub parts: &'a dyn KeepParts,
+    /// The number of the stage.
+    pub stage: usize,
+}
+
+impl PartsOfStage<'_> {
+    /// The poses at a focal scale that were kept; else they are searched, and kept.
+    fn poses_at(self, percent: u32, search: impl FnOnce() -> Vec<ScoredPose>) -> Vec<ScoredPose> {
+        let name = format!("poses-{}-{percent}", self.stage);
+        let Ok(poses) = self
+            .parts
+            .part(&name, || Ok::<_, Infallible>(search()), || true);
+        poses
+    }
+}
+
 /// A scored pose, with the frames at the focal scale where it was found.
 pub struct ScaledPose {
     pub scored: ScoredPose,
@@ -63,11 +85,13 @@ pub struct PosesByFocalScale {
     pub rotations: RotationsByFocalScale,
 }
 
-/// Searches the poses of the panorama at some places around several fields, without clicks.
+/// Searches the poses of the panorama at some places around several fields, without clicks. The
+/// poses at one focal scale are a part that is kept.
 pub fn search_poses(
     matched: &MatchedFrames,
     maps: &[PitchMap],
     places: &SearchPlaces,
+    parts: PartsOfStage<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<PosesByFocalScale, Stop> {
     let num_places = places.len() * maps.len();
@@ -76,7 +100,7 @@ pub fn search_poses(
         &FIRST_FOCAL_PERCENT,
         num_places,
         progress,
-        |_, panorama| search(panorama, maps, places),
+        |percent, _, panorama| Ok(parts.poses_at(percent, || search(panorama, maps, places))),
     )
 }
 
@@ -93,7 +117,7 @@ pub fn poses_from_clicks(
         &FINE_FOCAL_PERCENT,
         fields.len(),
         progress,
-        |rotations, panorama| {
+        |_, rotations, panorama| {
             let mut found = Vec::new();
             for (number, (field, map)) in fields.iter().zip(maps).enumerate() {
                 for poses in poses_of_pairs(rotations, clicks, field, MAX_PAIRS) {
@@ -101,7 +125,7 @@ pub fn poses_from_clicks(
                 }
             }
             sort_by_score(&mut found);
-            found
+            Ok(found)
         },
     )
 }
@@ -135,7 +159,7 @@ fn try_focal_scales(
     focal_percent: &[u32],
     places: usize,
     progress: &Progress<'_, AutocalibrationProgress>,
-    poses_at: impl Fn(&RelativeRotations, &Panorama) -> Vec<ScoredPose>,
+    poses_at: impl Fn(u32, &RelativeRotations, &Panorama) -> Result<Vec<ScoredPose>, Stop>,
 ) -> Result<PosesByFocalScale, Stop> {
     let (mut found, mut rotations) = (Vec::new(), Vec::new());
     let mut percents = focal_percent.to_vec();
@@ -152,7 +176,7 @@ fn try_focal_scales(
         match matched.at_scale(percent) {
             Ok((frames, panorama)) => {
                 // Find the poses at this scale, and remember the scale with the best pose.
-                let poses = poses_at(&frames.rotations, &panorama);
+                let poses = poses_at(percent, &frames.rotations, &panorama)?;
                 let score = poses.first().map_or(0.0, ScoredPose::score);
                 if best.is_none_or(|(other, _)| score > other) {
                     best = Some((score, percent));
@@ -210,6 +234,12 @@ fn is_any_within(scales: &[u32], range: &RangeInclusive<u32>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::autocalibrate::rotating_camera::{matched_views_with_pixels, soccer};
+    use crate::calibrate::kept::NothingKept;
+    use std::cell::RefCell;
+    use std::collections::BTreeMap;
+    use std::ops::ControlFlow;
+    use touchline_core::geometry::{Angle, Vec3};
 
     /// The scales that are tried if the best is always the one nearest to `best`.
     fn tried(first: &[u32], best: u32) -> Vec<u32> {
@@ -224,6 +254,62 @@ mod tests {
             tried.push(next);
         }
         tried
+    }
+
+    /// A search that is killed at the third focal scale, and made again with what it kept: the
+    /// scales that were searched each time.
+    fn search_killed_at_the_third_scale(parts: &dyn KeepParts) -> [Vec<u32>; 2] {
+        let matched = matched_views_with_pixels(&soccer().assumed, &[1, 3, 5]);
+        let pose = |percent| ScoredPose {
+            pose: PanoramaPose::upright(Vec3::new(0.0, -60.0, 14.0), Angle::default()),
+            field: 0,
+            explained: 1.0 / f64::from(percent),
+            visible: 0.7,
+        };
+        let mut outcomes = Vec::new();
+        let searched = [2, usize::MAX].map(|killed_at| {
+            let progress = Progress::new(|step| match step {
+                AutocalibrationProgress::Trying { done, .. } if done >= killed_at => {
+                    ControlFlow::Break(())
+                }
+                _ => ControlFlow::Continue(()),
+            });
+            let searched = RefCell::new(Vec::new());
+            let stage = PartsOfStage { parts, stage: 1 };
+            let poses_at = |percent, _: &RelativeRotations, _: &Panorama| {
+                Ok(stage.poses_at(percent, || {
+                    searched.borrow_mut().push(percent);
+                    vec![pose(percent)]
+                }))
+            };
+            let first = &FIRST_FOCAL_PERCENT;
+            outcomes.push(try_focal_scales(&matched, first, 1, &progress, poses_at).is_ok());
+            searched.into_inner()
+        });
+        assert_eq!(outcomes, [false, true]);
+        searched
+    }
+
+    #[test]
+    fn a_search_that_is_killed_loses_one_focal_scale() {
+        #[derive(Default)]
+        struct InMemory(RefCell<BTreeMap<String, Vec<u8>>>);
+
+        impl KeepParts for InMemory {
+            fn recall(&self, part: &str) -> Option<Vec<u8>> {
+                self.0.borrow().get(part).cloned()
+            }
+
+            fn keep(&self, part: &str, bytes: &[u8]) {
+                self.0.borrow_mut().insert(part.to_owned(), bytes.to_vec());
+            }
+        }
+
+        let [before, after] = search_killed_at_the_third_scale(&InMemory::default());
+        assert_eq!(before, FIRST_FOCAL_PERCENT[..2]);
+        assert_eq!(after[0], FIRST_FOCAL_PERCENT[2], "the first two are kept");
+        let [before, again] = search_killed_at_the_third_scale(&NothingKept);
+        assert_eq!([before, after].concat(), again, "in one run");
     }
 
     #[test]

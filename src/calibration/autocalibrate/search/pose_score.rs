@@ -8,6 +8,7 @@
 use super::pitch_map::{PitchMap, Scatter, View};
 use super::pose::PanoramaPose;
 use crate::autocalibrate::frames::panorama::Panorama;
+use crate::calibrate::kept::kept;
 use nalgebra::Matrix2;
 use touchline_core::geometry::{Vec2, Vec3};
 
@@ -21,6 +22,11 @@ pub struct ScoredPose {
     pub explained: f64,
     /// The share of the visible length of the lines that lies near paint.
     pub visible: f64,
+}
+
+kept! {
+    PanoramaPose { position_m, world_from_panorama }
+    ScoredPose { pose, field, explained, visible }
 }
 
 impl ScoredPose {

@@ -53,8 +53,8 @@ pub(super) const DIFFER_PX: f64 = 5.0;
 /// Upper bound of the confidence in a camera that no person has checked.
 const AT_MOST: f64 = 0.99;
 
-/// Factor on the confidence where the paint contradicts the camera, or where the two directions of
-/// propagation disagree.
+/// Factor on the confidence where the paint contradicts the camera, where it does not confirm it
+/// beside the end of a track, or where the two directions of propagation disagree.
 const CONTRADICTED: f64 = 0.3;
 
 /// The verdict of the painted lines on a frame's camera.
@@ -66,6 +66,8 @@ pub(super) enum PaintVerdict {
     Silent,
     /// They are not where the camera projects them.
     Contradicts,
+    /// They do not decide in a frame beside a place where tracking stopped.
+    Unconfirmed,
 }
 
 /// Frames of a clip whose lines lie on their paint. They confirm the base in the direction in which
@@ -126,7 +128,7 @@ pub(super) fn confidence(overlay: &TrackedOverlay, size: ImageSize) -> f64 {
     let is_contradicted = match paint {
         PaintVerdict::Agrees => false,
         PaintVerdict::Silent => !both_sides,
-        PaintVerdict::Contradicts => true,
+        PaintVerdict::Contradicts | PaintVerdict::Unconfirmed => true,
     };
     right.min(AT_MOST) * if is_contradicted { CONTRADICTED } else { 1.0 }
 }

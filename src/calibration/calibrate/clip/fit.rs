@@ -245,6 +245,30 @@ impl ClipFit<'_> {
                 self.judge_frame(reader, (frame, at.ptz), &mut paint_verdicts)?,
             ));
         }
+        // Third pass: the frames beside a place where the points ended.
+        let beside = frames_beside_stops(self.propagated, self.options.paint_every);
+        let mut unconfirmed = Vec::new();
+        for frames in &beside {
+            for &frame in frames {
+                let known = verdicts.iter().find(|(other, _)| *other == frame);
+                let verdict = match (known, adjusted.frames[frame]) {
+                    (Some((_, verdict)), _) => *verdict,
+                    (None, Some(at)) => {
+                        report(progress, ClipProgress::Painting(0, frames.len()))?;
+                        let at = (frame, at.ptz);
+                        let verdict = self.judge_frame(reader, at, &mut paint_verdicts)?;
+                        verdicts.push((frame, verdict));
+                        verdict
+                    }
+                    (None, None) => break,
+                };
+                match verdict {
+                    PaintVerdict::Agrees => break,
+                    PaintVerdict::Silent => unconfirmed.push(frame),
+                    _ => {}
+                }
+            }
+        }
         // Each verdict also applies to the unchecked frames after it, for at most `paint_every`
         // frames: beyond a gap in the clip nothing is known.
         verdicts.sort_by_key(|(frame, _)| *frame);
@@ -254,6 +278,9 @@ impl ClipFit<'_> {
                 .map_or(paint_verdicts.paint.len(), |next| next.0);
             let like_it = frame..next.min(frame + self.options.paint_every);
             paint_verdicts.paint[like_it].fill(verdict);
+        }
+        for frame in unconfirmed {
+            paint_verdicts.paint[frame] = PaintVerdict::Unconfirmed;
         }
         Ok(paint_verdicts)
     }
@@ -307,6 +334,25 @@ impl ClipFit<'_> {
     }
 }
 
+/// The frames beside each place where propagation stopped, from there on, at most `count` of each.
+///
+/// What stops the points, most often a dissolve or a graphic, has begun before: the last pictures
+/// that were reached may show two scenes, and points of the other one.
+fn frames_beside_stops(propagated: &PropagatedClip, count: usize) -> Vec<Vec<usize>> {
+    let is_reached = |frame: &usize| propagated.ptz.get(*frame).is_some_and(Option::is_some);
+    let stops = propagated.stops.iter();
+    let beside = stops.map(|stop| {
+        if stop.from > stop.frame {
+            let frames = (stop.from..stop.from + count).take_while(is_reached);
+            frames.collect()
+        } else {
+            let frames = (0..=stop.from).rev().take(count).take_while(is_reached);
+            frames.collect()
+        }
+    });
+    beside.collect()
+}
+
 /// The verdict that follows from a line check.
 fn verdict_of(check: &LineCheck) -> PaintVerdict {
     match check.verdict() {
@@ -314,5 +360,35 @@ fn verdict_of(check: &LineCheck) -> PaintVerdict {
         LineVerdict::Supports => PaintVerdict::Agrees,
         LineVerdict::Contradicts => PaintVerdict::Contradicts,
         LineVerdict::CannotSay => PaintVerdict::Silent,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_vision::track::PropagationStop;
+
+    #[test]
+    fn frames_beside_a_stop_run_inwards_from_it() {
+        let stop = |frame, from| PropagationStop {
+            frame,
+            from,
+            seen: 30,
+            agreeing: 4,
+        };
+        let ptz = Ptz::from_degrees(0.0, -10.0, 2000.0);
+        let reached = [4..12, 20..22].into_iter().flatten();
+        let mut propagated = PropagatedClip {
+            ptz: vec![None; 30],
+            apart_px: vec![None; 30],
+            stops: vec![stop(3, 4), stop(12, 11), stop(22, 21)],
+            moving: Vec::new(),
+        };
+        for frame in reached {
+            propagated.ptz[frame] = Some(ptz);
+        }
+        let beside = frames_beside_stops(&propagated, 5);
+        let expected: [&[usize]; 3] = [&[4, 5, 6, 7, 8], &[11, 10, 9, 8, 7], &[21, 20]];
+        assert_eq!(beside, expected);
     }
 }

@@ -7,8 +7,12 @@
 //! does not compile until it is kept, too.
 
 mod cameras;
+mod features;
 mod paint;
+mod parts;
 mod primitives;
+
+pub(crate) use parts::{KeepParts, NothingKept};
 
 /// A value that is written as bytes and read back as the same value.
 pub(crate) trait Kept: Sized {

@@ -17,6 +17,18 @@ impl Kept for f64 {
     }
 }
 
+impl Kept for f32 {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.to_bits().to_le_bytes());
+    }
+
+    fn read(bytes: &mut &[u8]) -> Option<Self> {
+        Some(Self::from_bits(u32::from_le_bytes(
+            *bytes.split_off(..4)?.first_chunk()?,
+        )))
+    }
+}
+
 impl Kept for u64 {
     fn write(&self, bytes: &mut Vec<u8>) {
         bytes.extend(self.to_le_bytes());

@@ -1,0 +1,342 @@
+//! The searches for the cameras of a match, one after the other: the frames that overlap with none
+//! of one camera's frames are another camera's, whether the one before was found or not.
+
+use super::kept_search::{KeptAnswer, KeptSearch, SearchEnd};
+use super::kept_work::{KeptWork, WorkKey};
+use super::match_labels::{Labelling, MatchEvent};
+use super::no_camera::NoCamera;
+use super::other_cameras::{MIN_FRAMES, split_off};
+use crate::autocalibrate::{
+    AutocalibrationAnswer, AutocalibrationError, SearchExtent, find_camera_in_stages,
+};
+use crate::calibrate::kept::KeepParts;
+use crate::calibrate::{AutocalibratedCamera, record_found};
+use crate::proposals::read_picture;
+use std::collections::{BTreeSet, VecDeque};
+use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex, PoisonError};
+use touchline_core::progress::Progress;
+use touchline_documents::document::CameraId;
+
+/// The answer of a search for a camera; none where its frames are of several cameras, which are to
+/// be divided first.
+type SearchAnswer = Option<Result<Arc<AutocalibratedCamera>, NoCamera>>;
+
+/// A search that ran to its end.
+type Searched = Result<(SearchEnd, SearchAnswer), AutocalibrationError>;
+
+/// How far a search for a camera goes.
+#[derive(Clone, Copy, Debug)]
+struct SearchLimits {
+    /// Maximum number of its stages.
+    most_stages: usize,
+    /// Whether it ends where enough frames for another camera match none of its own.
+    divides: bool,
+}
+
+impl Labelling<'_> {
+    /// Searches for all cameras, and writes them into the document. Sampled frames that match none
+    /// of the largest group are split off as another camera before the search goes on, so that each
+    /// camera is searched from as many of its own frames as if it were alone. A camera that is not
+    /// found leaves its frames without one, and the others are searched all the same. Returns the
+    /// cameras that were found; if there are none, the reason for the first one, and the document
+    /// is unchanged.
+    ///
+    /// # Errors
+    /// A search failed, or was cancelled before a camera was found.
+    pub(super) fn find_cameras(
+        &mut self,
+        first: &CameraId,
+    ) -> Result<Result<Vec<Arc<AutocalibratedCamera>>, NoCamera>, AutocalibrationError> {
+        self.find_cameras_by(first, Self::search)
+    }
+
+    /// As [`find_cameras`](Self::find_cameras), where `search` searches for a camera.
+    fn find_cameras_by(
+        &mut self,
+        first: &CameraId,
+        search: impl Fn(&mut Self, &CameraId, SearchLimits) -> Searched,
+    ) -> Result<Result<Vec<Arc<AutocalibratedCamera>>, NoCamera>, AutocalibrationError> {
+        let before = self.document.clone();
+        let mut found = Vec::new();
+        // Why the first camera was not found: the answer, unless another one is found.
+        let mut why_not_first = None;
+        // What one camera costs is a measure for the others: where there is no answer, the search
+        // tries all places with more and more frames.
+        let mut most_stages = usize::MAX;
+        // The cameras to search, with the number of sampled frames that were split off.
+        let mut waiting = VecDeque::from([(first.clone(), None)]);
+        'cameras: while let Some((camera, separate_frames)) = waiting.pop_front() {
+            let mut divides = true;
+            let (end, answer) = loop {
+                let limits = SearchLimits {
+                    most_stages,
+                    divides,
+                };
+                let (end, answer) = match search(self, &camera, limits) {
+                    Err(AutocalibrationError::Stopped) if !found.is_empty() => break 'cameras,
+                    searched => searched?,
+                };
+                let other = split_off(self.document, &camera, &end.searched, &end.others);
+                divides = other.is_some();
+                waiting.extend(other.map(|other| (other, Some(end.others.len()))));
+                if let Some(answer) = answer {
+                    break (end, answer);
+                }
+            };
+            if separate_frames.is_none() {
+                most_stages = end.stages;
+            }
+            match answer {
+                Ok(of_camera) => {
+                    record_found(self.document, &camera, &of_camera);
+                    if let Some(why) = why_not_first.take() {
+                        self.report_not_found(first, why, None);
+                    }
+                    // What follows checks for itself whether the work is cancelled, and keeps what
+                    // is done.
+                    let _ = self.progress.report(MatchEvent::Found {
+                        camera,
+                        found: Arc::clone(&of_camera),
+                        separate_frames,
+                        document: Box::new(self.document.clone()),
+                    });
+                    found.push(of_camera);
+                }
+                Err(why) if separate_frames.is_none() => why_not_first = Some(why),
+                Err(why) => self.report_not_found(&camera, why, separate_frames),
+            }
+        }
+        Ok(match why_not_first {
+            Some(why) => {
+                *self.document = before;
+                Err(why)
+            }
+            None => Ok(found),
+        })
+    }
+
+    fn report_not_found(&self, camera: &CameraId, why: NoCamera, separate_frames: Option<usize>) {
+        let _ = self.progress.report(MatchEvent::NotFound {
+            document: Box::new(self.document.clone()),
+            camera: camera.clone(),
+            why,
+            separate_frames,
+        });
+    }
+
+    /// Searches for a camera, unless the answer to the same search was kept.
+    fn search(&mut self, camera: &CameraId, limits: SearchLimits) -> Searched {
+        let key = self.work.begin_key("search").and_then(|mut parts| {
+            let at = self.document.at(self.folder);
+            parts.add(camera);
+            parts.add(&self.options.sampled_frames);
+            parts.add_text(&format!("{limits:?}"));
+            parts.add_document(at);
+            parts.add_frames(at);
+            parts.finish()
+        });
+        let kept: Option<KeptSearch> = key.as_ref().and_then(|key| self.work.recall(key));
+        if let Some((end, answer)) = kept {
+            return Ok((end, answer.map(KeptAnswer::into_answer)));
+        }
+        let parts = PartsInWork {
+            work: Arc::clone(&self.work),
+            search: key.clone(),
+        };
+        let (end, answer) = self.search_afresh(camera, limits, &parts)?;
+        if let Some(key) = key {
+            let kept = answer.as_ref();
+            let kept = kept.map(|answer| KeptAnswer::from_answer(answer, self.document));
+            self.work.keep(&key, &(end.clone(), kept));
+        }
+        Ok((end, answer))
+    }
+
+    /// Searches for a camera. Each picture that cannot be read is reported once.
+    fn search_afresh(
+        &mut self,
+        camera: &CameraId,
+        limits: SearchLimits,
+        parts: &dyn KeepParts,
+    ) -> Searched {
+        let at = self.document.at(self.folder);
+        let mut unreadable = BTreeSet::new();
+        let mut picture = |index: usize| {
+            let frame = &at.document.frames[index];
+            match read_picture(&mut *self.reader, frame, at.folder) {
+                Ok(picture) => Some(picture),
+                Err(error) => {
+                    if unreadable.insert(index) {
+                        let _ = self.progress.report(MatchEvent::Unreadable {
+                            frame: frame.name(),
+                            error,
+                        });
+                    }
+                    None
+                }
+            }
+        };
+        let end = Mutex::new(SearchEnd::default());
+        // Its own progress, so that a division does not cancel the whole work.
+        let progress = Progress::new(|step| {
+            let is_divided = {
+                let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
+                end.note(&step);
+                limits.divides && end.others.len() >= MIN_FRAMES
+            };
+            match self.progress.report(MatchEvent::Searching(step)) {
+                ControlFlow::Continue(()) if is_divided => ControlFlow::Break(()),
+                answer => answer,
+            }
+        });
+        let extent = SearchExtent {
+            look_at: self.options.sampled_frames,
+            most_stages: limits.most_stages,
+            parts,
+        };
+        let answer = find_camera_in_stages(at, camera, extent, &mut picture, &progress);
+        drop(progress);
+        let answer = match answer {
+            Err(AutocalibrationError::Stopped) if !self.progress.is_cancelled() => None,
+            answer => Some(match answer? {
+                AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
+                AutocalibrationAnswer::Two {
+                    best,
+                    other,
+                    deciding,
+                } => Err(NoCamera::Two {
+                    best,
+                    other,
+                    deciding,
+                }),
+                AutocalibrationAnswer::Abstained { why, clicks } => {
+                    Err(NoCamera::Abstained { why, clicks })
+                }
+            }),
+        };
+        let end = end.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok((end, answer))
+    }
+}
+
+/// The parts of a search among the finished work, under its key.
+struct PartsInWork {
+    work: Arc<KeptWork>,
+    search: Option<WorkKey>,
+}
+
+impl PartsInWork {
+    fn file_of(&self, part: &str) -> Option<String> {
+        let search = self.search.as_ref()?;
+        Some(format!("{}-{part}", search.name()))
+    }
+}
+
+impl KeepParts for PartsInWork {
+    fn recall(&self, part: &str) -> Option<Vec<u8>> {
+        self.work.recall_bytes(&self.file_of(part)?)
+    }
+
+    fn keep(&self, part: &str, bytes: &[u8]) {
+        if let Some(file) = self.file_of(part) {
+            self.work.keep_bytes(&file, bytes);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::autocalibrate::Abstention;
+    use crate::calibrate::AutocalibrationEvidence;
+    use crate::pipelines::MatchOptions;
+    use std::path::Path;
+    use touchline_core::testing::{SIZE, soccer, turned_base};
+    use touchline_documents::document::{Camera, Document, ShotKind};
+    use touchline_documents::testing::cut_video;
+    use touchline_vision::media::FrameReader;
+
+    /// Four shots of 20 frames.
+    fn four_shots() -> Document {
+        let cuts = [20, 40, 60].map(|start| (start, ShotKind::Cut));
+        let mut document = cut_video("a.mp4", 80, &cuts);
+        let size = document.frames[0].image_size;
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
+        document
+    }
+
+    fn a_camera() -> AutocalibratedCamera {
+        AutocalibratedCamera {
+            base: turned_base([0.0, -60.0, 15.0], [0.0; 3], SIZE),
+            field: soccer(),
+            sizes: Vec::new(),
+            frames: Vec::new(),
+            others: Vec::new(),
+            paint: Vec::new(),
+            evidence: AutocalibrationEvidence::default(),
+        }
+    }
+
+    /// Searches for the cameras of four shots, each of another camera, of which those in `refused`
+    /// give none. Returns the frames from which each was searched, whether any was found, and the
+    /// document.
+    fn find_in_shots(refused: &[usize]) -> (Vec<Vec<usize>>, bool, Document) {
+        let mut document = four_shots();
+        let mut labelling = Labelling {
+            document: &mut document,
+            folder: Path::new("."),
+            reader: &mut FrameReader::new(),
+            options: &MatchOptions::default(),
+            progress: &Progress::default(),
+            work: Arc::new(KeptWork::none()),
+        };
+        let searched = Mutex::new(Vec::new());
+        let found = labelling.find_cameras_by(&"main".into(), |labelling, camera, limits| {
+            let frames = &labelling.document.frames;
+            let of_camera = (0..80).filter(|at| frames[*at].camera == *camera);
+            let of_camera: Vec<usize> = of_camera.collect();
+            let shot = of_camera[0] / 20;
+            let (matching, others): (Vec<usize>, Vec<usize>) =
+                of_camera.iter().partition(|frame| **frame / 20 == shot);
+            let is_divided = limits.divides && others.len() >= MIN_FRAMES;
+            let end = SearchEnd {
+                stages: 1,
+                searched: matching,
+                others,
+            };
+            if is_divided {
+                return Ok((end, None));
+            }
+            searched.lock().unwrap().push(of_camera);
+            let answer = if refused.contains(&shot) {
+                let (why, clicks) = (Abstention::NothingFits, None);
+                Err(NoCamera::Abstained { why, clicks })
+            } else {
+                Ok(Arc::new(a_camera()))
+            };
+            Ok((end, Some(answer)))
+        });
+        (
+            searched.into_inner().unwrap(),
+            found.unwrap().is_ok(),
+            document,
+        )
+    }
+
+    #[test]
+    fn each_camera_is_searched_from_its_own_frames_whether_others_are_found_or_not() {
+        let each: Vec<Vec<usize>> = (0..4)
+            .map(|shot| (20 * shot..20 * (shot + 1)).collect())
+            .collect();
+        for refused in [&[][..], &[0], &[1], &[3], &[0, 1, 2]] {
+            let (searched, is_found, _) = find_in_shots(refused);
+            assert_eq!((searched, is_found), (each.clone(), true), "{refused:?}");
+        }
+        let (searched, is_found, document) = find_in_shots(&[0, 1, 2, 3]);
+        assert_eq!((searched, is_found), (each, false));
+        assert_eq!(document, four_shots(), "unchanged");
+    }
+}
