@@ -139,7 +139,7 @@ pub(super) fn most_certain(known: impl Iterator<Item = (f64, PaintVerdict)>) -> 
     known
         .map(|(confidence, paint)| match paint {
             PaintVerdict::Contradicts => CONTRADICTED * confidence,
-            PaintVerdict::Agrees | PaintVerdict::Silent => confidence,
+            PaintVerdict::Agrees | PaintVerdict::Silent | PaintVerdict::Unconfirmed => confidence,
         })
         .fold(0.0, f64::max)
 }

@@ -157,7 +157,7 @@ mod tests {
     use super::*;
     use crate::calibrate::take_length;
     use std::path::Path;
-    use touchline_core::camera::{CameraBase, Ptz};
+    use touchline_core::camera::{CameraBase, SizeError};
     use touchline_core::field::builtin;
     use touchline_core::testing::base_at;
     use touchline_documents::document::{
@@ -354,6 +354,15 @@ mod tests {
         };
         assert!(!is_open(&|_| true));
         assert!(is_open(&|line| line.contains("right")));
+    }
+
+    #[test]
+    fn a_length_that_the_base_was_fitted_with_is_known_as_well_as_the_base_states() {
+        let mut fitted = base();
+        fitted.sigma.size[0] = SizeError::alone(0.4);
+        let unseen = unseen_length(&known_at(&fitted, &[-1.0, 0.0, 1.0], 104.0));
+        assert!(!unseen.is_open(), "though no known frame shows an end");
+        assert!(unseen_length(&known_at(&base(), &[-1.0, 0.0, 1.0], 104.0)).is_open());
     }
 
     /// Where the right end was seen, the camera moves with it.

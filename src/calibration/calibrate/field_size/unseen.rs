@@ -120,19 +120,29 @@ impl UnseenSize {
         let known: Vec<_> = subsample(known, MAX_KNOWN).collect();
         let lengths = 0..size.params.len();
         Ok(lengths
-            .filter_map(|index| Self::new(size.clone(), index, &field, &known))
+            .filter_map(|index| Self::new(size.clone(), index, &base, &field, &known))
             .collect())
     }
 
     /// None if the template has no field one step away.
-    fn new(size: OpenSize, index: usize, field: &FieldModel, known: &[KnownFrame]) -> Option<Self> {
+    fn new(
+        size: OpenSize,
+        index: usize,
+        base: &CameraBase,
+        field: &FieldModel,
+        known: &[KnownFrame],
+    ) -> Option<Self> {
         let param = &size.params[index];
         let axis = if param.name == "length_m" {
             Vec3::x()
         } else {
             Vec3::y()
         };
-        let (sigma_m, error_m) = (param.sigma_m, param.sigma_m);
+        // A base that states its error of the length was estimated from frames that may not be
+        // among the known ones.
+        let stated_m = base.sigma.size[usize::from(axis.y != 0.0)].sigma_m;
+        let prior_m = Some(stated_m).filter(|sigma_m| *sigma_m > 0.0);
+        let sigma_m = prior_m.map_or(param.sigma_m, |sigma_m| sigma_m.min(param.sigma_m));
         let values_m = size.params.iter().map(|param| param.assumed_m).collect();
         let mut unseen = Self {
             size,
@@ -143,7 +153,7 @@ impl UnseenSize {
             by_seen: 0.0,
             is_base_held: false,
             sigma_m,
-            error_m,
+            error_m: sigma_m,
             likely: Vec::new(),
         };
         unseen.by_line = unseen.motions_of_lines()?;
