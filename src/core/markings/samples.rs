@@ -53,9 +53,9 @@ impl LineSample {
         detectability(self.width_px)
     }
 
-    /// How far the line moves in the picture, along its normal, for each metre that the ground under
-    /// it moves along a direction, px per m; negative against the normal. A motion along the line
-    /// itself cannot be seen. None where the camera does not see it.
+    /// How far the line moves in the picture, along its normal, for each metre that the ground
+    /// under it moves along a direction, px per m; negative against the normal. A motion along the
+    /// line itself cannot be seen. None where the camera does not see it.
     pub fn motion_px_per_m(&self, camera: &PtzCamera, along: Vec3) -> Option<f64> {
         const STEP_M: f64 = 0.05;
         let beside = camera.image_from_world(self.at + along * STEP_M).ok()?;

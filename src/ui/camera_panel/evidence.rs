@@ -53,11 +53,12 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
             let colour = if chosen { ui.palette().strong } else { ui.palette().weak };
             let mark = if chosen { "•" } else { "  " };
             let tip = "The error of each model on points that it was not fitted to. The marked model was chosen.";
-            ui.label(RichText::new(format!("{mark} {}", score.model)).color(colour)).on_hover_text(tip);
+            let name = RichText::new(format!("{mark} {}", score.model)).small().color(colour);
+            ui.label(name).on_hover_text(tip);
             // Infinite where nothing could be held out.
             for px in [score.median_px, score.p90_px] {
                 let says = if px.is_finite() { format!("{px:.2} px") } else { "–".to_owned() };
-                ui.label(RichText::new(says).color(colour));
+                ui.label(RichText::new(says).small().color(colour));
             }
             ui.end_row();
         }

@@ -1,6 +1,6 @@
-//! The gallery: all suggestions as pictures with their lines, over the whole window, in the order of
-//! the review panel. Frames are selected by clicks, by dragging over them and by keys, and accepted
-//! or rejected together. What was not drawn cannot be accepted.
+//! The gallery: all suggestions as pictures with their lines, over the whole window, in the order
+//! of the review panel. Frames are selected by clicks, by dragging over them and by keys, and
+//! accepted or rejected together. What was not drawn cannot be accepted.
 
 use super::sheet;
 use crate::ui::Panel;
@@ -203,8 +203,8 @@ fn write(ui: &Ui, text: String, at: egui::Pos2, width: f32, colour: Color32) {
     ui.painter().galley(at, galley, colour);
 }
 
-/// What the pointer does to a picture: a click selects it alone, with Ctrl also, with Shift all up to
-/// it; dragging selects what it passes; a double click opens the frame.
+/// What the pointer does to a picture: a click selects it alone, with Ctrl in addition, with Shift
+/// all up to it; dragging selects what it passes; a double click opens the frame.
 fn choose(
     panel: &mut Panel<'_>,
     ui: &Ui,
@@ -272,8 +272,8 @@ fn move_by_keys(
         (Key::ArrowUp, -(columns as isize)),
         (Key::ArrowDown, columns as isize),
     ] {
-        let pressed = |modifiers| ui.input_mut(|input| input.consume_key(modifiers, key));
-        let (extends, moves) = (pressed(Modifiers::SHIFT), pressed(Modifiers::NONE));
+        let [extends, moves] = [Modifiers::SHIFT, Modifiers::NONE]
+            .map(|modifiers| ui.input_mut(|input| input.consume_key(modifiers, key)));
         if extends || moves {
             state.cursor = state.cursor.saturating_add_signed(by).min(last);
             state.is_moved = true;
@@ -311,7 +311,7 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, rows: &[ReviewRow], state: &Galle
     let by_key = unseen == 0
         && count > 0
         && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
-    let tip = "Accept the selected frames: they become labels that are not used for training. One step of undo. (Enter)";
+    let tip = "Accept the selected frames: labels that are not used for training. (Enter)";
     if accept.on_hover_text(tip).clicked() || by_key {
         panel.edit(EditAction::AcceptSelected);
     }

@@ -4,7 +4,6 @@
 //! the layers of this frame of the window. Without wgpu (in a test without a GPU) a canvas shows a
 //! message, and everything else works.
 
-use crate::ui::controls::theme;
 use eframe::egui_wgpu::{
     Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor,
 };
@@ -51,7 +50,7 @@ pub fn paint(painter: &Painter, id: CanvasId, rect: Rect, view: View, layers: Ve
             rect.center(),
             Align2::CENTER_CENTER,
             text,
-            FontId::proportional(theme::SMALL),
+            FontId::default(),
             Color32::from_gray(120),
         );
     }

@@ -1,4 +1,4 @@
-//! What a suggestion is judged by, in words.
+//! What speaks for and against a suggestion, in words.
 
 use crate::ui::Panel;
 use touchline_application::app::LineCheckSummary;

@@ -92,9 +92,13 @@ fn moved_px(row: &ReviewRow) -> f64 {
     row.shift_by_mending_px.unwrap_or(0.0)
 }
 
+/// Where a row's camera looks, °; rows without one stand at the left.
+fn pan_deg(row: &ReviewRow) -> f64 {
+    row.pan_deg.unwrap_or(f64::NEG_INFINITY)
+}
+
 /// Compares two rows in the chosen order; equal ones by time.
 pub(super) fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Ordering {
-    let pan_deg = |row: &ReviewRow| row.pan_deg.unwrap_or(f64::NEG_INFINITY);
     let apart = |row: &ReviewRow| row.apart_px().unwrap_or(f64::NEG_INFINITY);
     let by_choice = match order {
         ReviewOrder::Confidence => doubtful_first(a, b),

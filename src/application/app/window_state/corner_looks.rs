@@ -103,8 +103,8 @@ impl CornerLooks {
         let mut open = drawn.to_vec();
         let mut unlike = 0.0;
         for seen in &self.directions {
-            let turns = open.iter().map(|drawn| drawn.turn_from(*seen).abs());
-            let nearest = turns
+            let angles = open.iter().map(|drawn| drawn.turn_from(*seen).abs());
+            let nearest = angles
                 .enumerate()
                 .min_by(|a, b| a.1.radians().total_cmp(&b.1.radians()));
             match nearest.filter(|(_, turn)| turn.radians() < SAME_LINE.radians()) {

@@ -9,7 +9,7 @@
 //! | the frame's camera, from its other clicks | by the distance of the click from where this camera sees the landmark |
 //! | the base, and another named click | the name is tried as the second point of a two-point solve, and the camera that results is compared with the neighbouring frames', else with other shots', else with an ordinary broadcast view |
 //! | the base, and a neighbouring frame's camera | by its distance, beyond 40 px by looks as well |
-//! | the base, and cameras of other shots | by the smallest distance, and by looks in the same way |
+//! | the base, and cameras of other shots | by the smallest distance, and by looks likewise |
 //! | clicks in neighbouring frames | by the distance from where the same name was clicked |
 //! | the base, and paint around the click | by how the landmark looks (`corner_looks.rs`) |
 //! | none of these | by how precisely a landmark can be clicked |

@@ -136,7 +136,7 @@ pub(super) fn track_readable(
         .ok_or_else(|| TrackClipError::NoBase {
             camera: clip.camera.to_string(),
         })?;
-    // What is open of the field's size is asked below of the lines that known frames show, and
+    // What is open of the field's size follows below from the lines that known frames show, and
     // measured where the clip shows it. It must not count twice.
     let mut tracked_base = base;
     tracked_base.sigma.size = Default::default();

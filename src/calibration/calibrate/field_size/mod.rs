@@ -124,8 +124,8 @@ impl OpenSize {
         self.params.iter().map(SizeParam::unseen).collect()
     }
 
-    /// The error of a base that keeps the lengths of its field as they are: the σ that frames leave of
-    /// each, and what they would have made of it.
+    /// The error of a base that keeps the lengths of its field: the σ that frames leave
+    /// of each, and what they would have made of it.
     pub fn as_kept(&self, field: &FieldModel, mut fitted: Vec<FittedSize>) -> Vec<FittedSize> {
         for size in &mut fitted {
             if let Some(kept_m) = field.params.get(&size.name) {

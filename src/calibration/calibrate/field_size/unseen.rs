@@ -82,7 +82,7 @@ pub(in crate::calibrate) struct UnseenSize {
     by_line: Vec<f64>,
     /// The same of what the known cameras have seen, and with it of the base.
     by_seen: f64,
-    /// Whether they have seen any line that moves. If not, nobody knows with what the base goes.
+    /// Whether they have seen any line that moves. If not, it is not known with what the base goes.
     is_base_held: bool,
     /// 1-σ of the length from the rules and from what the known cameras have seen, m.
     sigma_m: f64,
@@ -356,15 +356,12 @@ impl KnownFrame {
             let names = |target: &Option<Target>| *target == Some(Target::Line(line.id.clone()));
             targets.any(names) || places.iter().any(on_line)
         };
-        let clicked = || {
-            let lines: Vec<bool> = field.lines.iter().map(is_clicked).collect();
-            SeenLines::Marked([lines.clone(), lines])
-        };
         Some(Self {
             camera: PtzCamera::new(frame.base_from(base), frame.ptz.as_ref()?.ptz()),
             image: frame.image_size,
             seen: if frame.is_solved_by_clicks() {
-                clicked()
+                let lines: Vec<bool> = field.lines.iter().map(is_clicked).collect();
+                SeenLines::Marked([lines.clone(), lines])
             } else {
                 seen
             },

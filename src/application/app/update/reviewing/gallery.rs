@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Frame, FrameStatus, RejectReason, Step};
 
-/// Whether a suggestion can be accepted by its picture alone: it has a camera, and every point of it
-/// has a name.
+/// Whether a suggestion can be accepted by its picture alone: it has a camera, and all its points
+/// have names.
 fn is_acceptable(frame: &Frame) -> bool {
     frame.status == FrameStatus::Suggested && frame.ptz.is_some() && frame.unnamed_click().is_none()
 }
@@ -39,8 +39,9 @@ impl App {
     pub(in crate::app::update) fn accept_selected(&mut self) {
         let selected = std::mem::take(&mut self.session.frames_selected);
         let Some(open) = &self.open else { return };
-        let is_ready = |place: &usize| open.frame(*place).is_some_and(is_acceptable);
-        let (frames, stay): (Vec<usize>, Vec<usize>) = selected.iter().partition(|it| is_ready(it));
+        let (frames, stay): (Vec<usize>, Vec<usize>) = selected
+            .into_iter()
+            .partition(|place| open.frame(*place).is_some_and(is_acceptable));
         if frames.is_empty() {
             let none = "None of the selected frames is a suggestion that can be accepted.";
             self.session.notify(Level::Info, none);

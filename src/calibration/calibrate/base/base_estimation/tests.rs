@@ -118,7 +118,7 @@ fn clicked_at(pans_deg: &[f64], focal_px: f64) -> Document {
     document
 }
 
-/// A base on an assumed size knows what its clicks leave open of it, without being asked to fit it.
+/// A base on an assumed size knows what its clicks leave open of it, even where it is not fitted.
 #[test]
 fn a_base_on_an_assumed_size_states_what_its_frames_leave_open_of_it() {
     let length_sigma_m = |document: &Document| {
