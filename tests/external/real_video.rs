@@ -34,7 +34,7 @@ fn new_takes_the_frames_of_a_video_that_decode() {
         &format!("new match --frames {} --field soccer", video.display()),
     );
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    ran.assert_says("match.mp4 states 825 frames, 817 decode.");
+    ran.assert_says("match.mp4 announces 825 frames; only 817 can be decoded.");
     let (location, document, _) = read(&folder.path().join("match")).unwrap();
     assert_eq!(document.frames.len(), 817);
     let last = document.frames[816].video.as_ref().unwrap();

@@ -114,7 +114,9 @@ pub enum ExchangeError {
     },
     /// No camera corresponds to a homography.
     #[error(
-        "{}: no camera gives the homography of {frame:?} ({source}); check its direction, unit and picture size",
+        "{}: no camera gives the homography of {frame:?} ({source}); check its direction, unit and \
+         picture size. One to pixels of a drawn map must be scaled to metres first; then `import \
+         --format homographies --template corner-m --size WxH` reads it",
         path.display()
     )]
     NoCamera {

@@ -217,7 +217,7 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
         .find(|warning| warning.code == WarningCode::Implausible)
         .unwrap();
     assert!(
-        jump.message.contains("the focal length changes by"),
+        jump.message.contains("The focal length differs by"),
         "{messages:?}"
     );
     assert_ne!(judge(&wrong, SIZE).verdict, Verdict::Good);

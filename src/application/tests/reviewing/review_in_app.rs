@@ -112,7 +112,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     bench.act(Action::Navigate(Navigation::GoTo(1)));
     assert_eq!(
         bench.hint(),
-        "1 frame has no answer: label frame 2, near pan\u{a0}−4°."
+        "1 frame has no answer: frame 2 (pan\u{a0}−4°)."
     );
     bench.command(Command::NextUnanswered);
     assert_eq!(

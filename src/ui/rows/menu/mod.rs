@@ -150,7 +150,7 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
         let font = TextStyle::Button.resolve(ui.style());
         let name = text_width(ui.painter(), command.name(), font);
         // The tick comes after the name.
-        let after = ui.spacing().button_padding.x + name + theme::SPACE;
+        let after = ui.spacing().button_padding.x + name + 2.5 * theme::SPACE;
         let within = Rect::from_center_size(
             response.rect.left_center() + vec2(after, 0.0),
             vec2(theme::SPACE, theme::SPACE),
