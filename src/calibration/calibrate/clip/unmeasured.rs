@@ -8,7 +8,9 @@ use super::fit::ClipFit;
 use crate::calibrate::field_size::on_lines::{
     FRAMES, LengthOnLines, PosedPicture, measure_length, other_length,
 };
-use crate::calibrate::field_size::unseen::{LINE_SIGMA_PX, SeenLines, TELLING_PX, UnseenSize};
+use crate::calibrate::field_size::unseen::{
+    LINE_SIGMA_PX, MarkedLines, SeenLines, TELLING_PX, UnseenSize,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::{ImageSize, Vec3, subsample};
@@ -124,7 +126,7 @@ impl Unmeasured {
 fn lines_on_paint_of_known(
     fit: &ClipFit<'_>,
     reader: &mut dyn ReadFrames,
-) -> Result<BTreeMap<usize, Option<[Vec<bool>; 2]>>, TrackClipError> {
+) -> Result<BTreeMap<usize, Option<MarkedLines>>, TrackClipError> {
     let document = fit.pictures.at.document;
     let frames = fit.pictures.clip.frames.iter().enumerate();
     let mut known: Vec<(usize, usize, Ptz)> = frames

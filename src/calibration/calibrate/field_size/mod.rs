@@ -124,18 +124,6 @@ impl OpenSize {
         self.params.iter().map(SizeParam::unseen).collect()
     }
 
-    /// The error of a base that keeps the lengths of its field: the σ that frames leave
-    /// of each, and what they would have made of it.
-    pub fn as_kept(&self, field: &FieldModel, mut fitted: Vec<FittedSize>) -> Vec<FittedSize> {
-        for size in &mut fitted {
-            if let Some(kept_m) = field.params.get(&size.name) {
-                let off_m = size.value_m - kept_m;
-                size.error.sigma_m = size.error.sigma_m.hypot(off_m);
-            }
-        }
-        fitted
-    }
-
     /// Fits them to what frames show, from an approximate base and cameras; the field keeps its
     /// crown. Empty if the rules leave no choice or the fit fails.
     pub fn fit(&self, start: &SizeStart<'_>) -> Vec<FittedSize> {
@@ -200,6 +188,18 @@ fn rounded_m(value_m: f64) -> f64 {
 /// If the position changes by less than this with 1 σ of an unknown length, the text does not
 /// mention it, m.
 const WORTH_SAYING_M: f64 = 0.2;
+
+/// The errors of the lengths of a field that a base keeps: the σ that frames leave of each, and what
+/// they would have made of it.
+pub(super) fn keep_lengths(field: &FieldModel, mut fitted: Vec<FittedSize>) -> Vec<FittedSize> {
+    for size in &mut fitted {
+        if let Some(kept_m) = field.params.get(&size.name) {
+            let off_m = size.value_m - kept_m;
+            size.error.sigma_m = size.error.sigma_m.hypot(off_m);
+        }
+    }
+    fitted
+}
 
 /// Makes the errors of lengths errors of a base.
 pub(super) fn state_errors(base: &mut CameraBase, sizes: &[FittedSize]) {

@@ -49,13 +49,16 @@ const MAX_KNOWN: usize = 200;
 /// assumed one: a line may enter the picture only at another length.
 const SIGMAS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
+/// Of each line of a field whether it is known to lie where it is drawn: as far as its length, and
+/// as far as its width moves it.
+pub(in crate::calibrate) type MarkedLines = [Vec<bool>; 2];
+
 /// The lines that a known frame stands for.
 pub(in crate::calibrate) enum SeenLines {
     /// All in its picture.
     InPicture,
-    /// Those that are marked, of all lines of the field: as far as they show its length, and as far
-    /// as they show its width.
-    Marked([Vec<bool>; 2]),
+    /// Those that are marked.
+    Marked(MarkedLines),
 }
 
 impl SeenLines {

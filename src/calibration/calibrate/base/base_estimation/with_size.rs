@@ -1,8 +1,8 @@
 //! The base estimated together with the size of the field.
 
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
-use crate::calibrate::field_size::state_errors;
 use crate::calibrate::field_size::written::set_field_size;
+use crate::calibrate::field_size::{keep_lengths, state_errors};
 use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::progress::Progress;
 use touchline_core::solve::base::{
@@ -48,7 +48,7 @@ impl BaseProblem {
     ) {
         if !self.open_size.is_stated {
             let fitted = self.fit_size_to(frames, estimate);
-            let kept = self.open_size.as_kept(&self.field, fitted);
+            let kept = keep_lengths(&self.field, fitted);
             state_errors(&mut estimate.base, &kept);
         }
     }
