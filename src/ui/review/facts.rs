@@ -58,12 +58,14 @@ impl RowFacts {
         })
     }
 
-    /// The reasons to look at it: what is unlikely, its neighbours, its paint, mending.
+    /// The reasons to look at it: what is unlikely, its neighbours where they are out of line, its
+    /// paint, mending.
     pub fn reasons(&self) -> String {
+        let neighbours = self.neighbours.clone().filter(|_| self.is_odd);
         let paint = self.paint.as_ref().map(|says| says.in_brief().to_owned());
         let reasons = [
             self.unlikely.clone(),
-            self.neighbours.clone(),
+            neighbours,
             paint,
             self.mended.clone(),
         ];
