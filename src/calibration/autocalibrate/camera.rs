@@ -444,35 +444,14 @@ impl<'a> Search<'a> {
 mod tests {
     use super::*;
     use crate::autocalibrate::rotating_camera::{document, draw_picture, ptz, soccer};
-    use std::cell::RefCell;
+    use crate::calibrate::kept::KeptInMemory;
     use std::ops::ControlFlow;
     use std::path::Path;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// Counts the parts that are kept and recalled.
-    #[derive(Default)]
-    struct InMemory {
-        kept: RefCell<BTreeMap<String, Vec<u8>>>,
-        recalled: RefCell<Vec<String>>,
-    }
-
-    impl KeepParts for InMemory {
-        fn recall(&self, part: &str) -> Option<Vec<u8>> {
-            let kept = self.kept.borrow().get(part).cloned()?;
-            self.recalled.borrow_mut().push(part.to_owned());
-            Some(kept)
-        }
-
-        fn keep(&self, part: &str, bytes: &[u8]) {
-            self.kept
-                .borrow_mut()
-                .insert(part.to_owned(), bytes.to_vec());
-        }
-    }
-
     /// Searches among the views of a drawn camera until a number of pairs are matched. Returns the
     /// number of reported pairs.
-    fn search_until(pairs: usize, parts: &InMemory) -> usize {
+    fn search_until(pairs: usize, parts: &KeptInMemory) -> usize {
         let (document, field, ptz) = (document(), soccer().assumed, ptz());
         let at = document.at(Path::new(""));
         let extent = SearchExtent {
@@ -500,7 +479,7 @@ mod tests {
 
     #[test]
     fn features_and_matches_of_a_killed_search_are_taken_up() {
-        let parts = InMemory::default();
+        let parts = KeptInMemory::default();
         search_until(3, &parts);
         let names: Vec<String> = parts.kept.borrow().keys().cloned().collect();
         assert!(

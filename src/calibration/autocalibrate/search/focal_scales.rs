@@ -100,7 +100,7 @@ pub fn search_poses(
         &FIRST_FOCAL_PERCENT,
         num_places,
         progress,
-        |percent, _, panorama| Ok(parts.poses_at(percent, || search(panorama, maps, places))),
+        |percent, _, panorama| parts.poses_at(percent, || search(panorama, maps, places)),
     )
 }
 
@@ -125,7 +125,7 @@ pub fn poses_from_clicks(
                 }
             }
             sort_by_score(&mut found);
-            Ok(found)
+            found
         },
     )
 }
@@ -159,7 +159,7 @@ fn try_focal_scales(
     focal_percent: &[u32],
     places: usize,
     progress: &Progress<'_, AutocalibrationProgress>,
-    poses_at: impl Fn(u32, &RelativeRotations, &Panorama) -> Result<Vec<ScoredPose>, Stop>,
+    poses_at: impl Fn(u32, &RelativeRotations, &Panorama) -> Vec<ScoredPose>,
 ) -> Result<PosesByFocalScale, Stop> {
     let (mut found, mut rotations) = (Vec::new(), Vec::new());
     let mut percents = focal_percent.to_vec();
@@ -176,7 +176,7 @@ fn try_focal_scales(
         match matched.at_scale(percent) {
             Ok((frames, panorama)) => {
                 // Find the poses at this scale, and remember the scale with the best pose.
-                let poses = poses_at(percent, &frames.rotations, &panorama)?;
+                let poses = poses_at(percent, &frames.rotations, &panorama);
                 let score = poses.first().map_or(0.0, ScoredPose::score);
                 if best.is_none_or(|(other, _)| score > other) {
                     best = Some((score, percent));
@@ -235,9 +235,8 @@ fn is_any_within(scales: &[u32], range: &RangeInclusive<u32>) -> bool {
 mod tests {
     use super::*;
     use crate::autocalibrate::rotating_camera::{matched_views_with_pixels, soccer};
-    use crate::calibrate::kept::NothingKept;
+    use crate::calibrate::kept::{KeptInMemory, NothingKept};
     use std::cell::RefCell;
-    use std::collections::BTreeMap;
     use std::ops::ControlFlow;
     use touchline_core::geometry::{Angle, Vec3};
 
@@ -277,10 +276,10 @@ mod tests {
             let searched = RefCell::new(Vec::new());
             let stage = PartsOfStage { parts, stage: 1 };
             let poses_at = |percent, _: &RelativeRotations, _: &Panorama| {
-                Ok(stage.poses_at(percent, || {
+                stage.poses_at(percent, || {
                     searched.borrow_mut().push(percent);
                     vec![pose(percent)]
-                }))
+                })
             };
             let first = &FIRST_FOCAL_PERCENT;
             outcomes.push(try_focal_scales(&matched, first, 1, &progress, poses_at).is_ok());
@@ -292,20 +291,7 @@ mod tests {
 
     #[test]
     fn a_search_that_is_killed_loses_one_focal_scale() {
-        #[derive(Default)]
-        struct InMemory(RefCell<BTreeMap<String, Vec<u8>>>);
-
-        impl KeepParts for InMemory {
-            fn recall(&self, part: &str) -> Option<Vec<u8>> {
-                self.0.borrow().get(part).cloned()
-            }
-
-            fn keep(&self, part: &str, bytes: &[u8]) {
-                self.0.borrow_mut().insert(part.to_owned(), bytes.to_vec());
-            }
-        }
-
-        let [before, after] = search_killed_at_the_third_scale(&InMemory::default());
+        let [before, after] = search_killed_at_the_third_scale(&KeptInMemory::default());
         assert_eq!(before, FIRST_FOCAL_PERCENT[..2]);
         assert_eq!(after[0], FIRST_FOCAL_PERCENT[2], "the first two are kept");
         let [before, again] = search_killed_at_the_third_scale(&NothingKept);

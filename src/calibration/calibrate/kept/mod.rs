@@ -12,6 +12,8 @@ mod paint;
 mod parts;
 mod primitives;
 
+#[cfg(test)]
+pub(crate) use parts::KeptInMemory;
 pub(crate) use parts::{KeepParts, NothingKept};
 
 /// A value that is written as bytes and read back as the same value.

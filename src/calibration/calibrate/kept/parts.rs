@@ -1,6 +1,8 @@
 //! The finished parts of one long piece of work, kept as they come.
 
 use super::{Kept, from_bytes, to_bytes};
+#[cfg(test)]
+use std::{cell::RefCell, collections::BTreeMap};
 
 /// Keeps the finished parts of one piece of work, by name. Whoever asks has done the same work with
 /// the same inputs before.
@@ -43,4 +45,26 @@ impl KeepParts for NothingKept {
     }
 
     fn keep(&self, _: &str, _: &[u8]) {}
+}
+
+/// Keeps parts in memory, and counts those that are recalled.
+#[cfg(test)]
+#[derive(Default)]
+pub(crate) struct KeptInMemory {
+    pub kept: RefCell<BTreeMap<String, Vec<u8>>>,
+    pub recalled: RefCell<Vec<String>>,
+}
+
+#[cfg(test)]
+impl KeepParts for KeptInMemory {
+    fn recall(&self, part: &str) -> Option<Vec<u8>> {
+        let kept = self.kept.borrow().get(part).cloned()?;
+        self.recalled.borrow_mut().push(part.to_owned());
+        Some(kept)
+    }
+
+    fn keep(&self, part: &str, bytes: &[u8]) {
+        let bytes = bytes.to_vec();
+        self.kept.borrow_mut().insert(part.to_owned(), bytes);
+    }
 }
