@@ -332,9 +332,7 @@ fn document_of_frames(
         NonZeroUsize::MIN,
         &Progress::default(),
     );
-    for (name, error) in &made.left_out {
-        messages.frame_failed(name, &error.to_string());
-    }
+    messages.frames_failed(made.left_out.iter().map(|(name, error)| (name, error)));
     Ok((made.document, made.left_out.is_empty()))
 }
 

@@ -154,9 +154,7 @@ pub fn write_dataset(
         }
         done => done?,
     };
-    for (frame, why) in &done.left_out {
-        messages.frame_failed(frame, why);
-    }
+    messages.frames_failed(done.left_out.iter().map(|(frame, why)| (frame, why)));
     let counts = if options.splitting.is_some() {
         let counts = Split::ALL
             .into_iter()

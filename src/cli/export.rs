@@ -407,9 +407,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     let exported = export_document(document.at(location.folder()), format, &options)?;
     messages.notes(&exported.loss);
     messages.notes(&exported.notes);
-    for (frame, why) in &exported.left_out {
-        messages.frame_failed(frame, why);
-    }
+    messages.frames_failed(exported.left_out.iter().map(|(frame, why)| (frame, why)));
     match (exported.dataset(), &args.output.output) {
         // Write a document as such: with backup, lock, and paths changed to lead to the same files.
         (Some((dataset, folder)), _) => output.write(dataset.clone(), folder)?,

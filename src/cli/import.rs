@@ -236,9 +236,6 @@ impl ImportArgs {
     }
 }
 
-/// Frames without a camera that are named; of further ones the number is.
-const MOST_NAMED: usize = 10;
-
 /// Gives each frame a camera of its own, and names those whose lines give none. Returns how many
 /// these are.
 fn find_own_cameras(
@@ -250,13 +247,8 @@ fn find_own_cameras(
     // None would mean that the progress cancelled it, and this one never does.
     let found = give_own_cameras(document, folder, &count_steps(&bar))?.unwrap_or_default();
     bar.finish_and_clear();
-    for (index, error) in found.failed.iter().take(MOST_NAMED) {
-        messages.frame_failed(&document.frames[*index].name(), &error.to_string());
-    }
-    let others = found.failed.len().saturating_sub(MOST_NAMED);
-    if others > 0 {
-        messages.note(&format!("and {} more", pluralise(others, "frame")));
-    }
+    let failed = found.failed.iter();
+    messages.frames_failed(failed.map(|(index, error)| (document.frames[*index].name(), error)));
     messages.note(&format!(
         "{} with a camera of their own, {} without one",
         pluralise(found.solved.len(), "frame"),

@@ -166,11 +166,11 @@ fn mend_cameras_alone(
     messages.note(
         "without a video nothing was compared with a picture: a stretch that is wrong alike stays",
     );
-    for left in &mended.left {
-        if let Some(frame) = document.frames.by_id(&left.id) {
-            messages.frame_failed(&frame.name(), &left.why);
-        }
-    }
+    let left = mended.left.iter().filter_map(|left| {
+        let frame = document.frames.by_id(&left.id)?;
+        Some((frame.name(), &left.why))
+    });
+    messages.frames_failed(left);
     // One frame in ten may be wrong. Where more were moved far, a person has to see which.
     let has_moved_many = mended.has_moved_many();
     for (id, moved_px) in mended.moved_far.iter().filter(|_| has_moved_many) {
@@ -277,15 +277,14 @@ fn describe_places(places: &[SharedPlace]) -> String {
 
 /// Names the frames that are left for a person, and returns their number.
 fn report_left(document: &Document, mended: &Mended, messages: Messages) -> usize {
-    let mut left = 0;
     // The outcomes are in the order of the document's frames.
-    for (frame, mended) in document.frames.iter().zip(&mended.frames) {
-        if let Some(why) = mended.outcome.why_left() {
-            messages.frame_failed(&frame.name(), why);
-            left += 1;
-        }
-    }
-    left
+    let frames = document.frames.iter().zip(&mended.frames);
+    let left: Vec<_> = frames
+        .filter_map(|(frame, mended)| Some((frame.name(), mended.outcome.why_left()?)))
+        .collect();
+    let count = left.len();
+    messages.frames_failed(left);
+    count
 }
 
 /// How many frames came without a video, and what became of them.

@@ -95,9 +95,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let bar = messages.progress(source.len().div_ceil(args.every.get()), "Reading frames");
     let made = document_from_frames(&source, &folder, field, args.every, &count_steps(&bar));
     bar.finish_and_clear();
-    for (name, error) in &made.left_out {
-        messages.frame_failed(name, &error.to_string());
-    }
+    messages.frames_failed(made.left_out.iter().map(|(name, error)| (name, error)));
     messages.name_video_backend(&made.document);
     ensure!(
         !made.document.frames.is_empty(),
@@ -165,9 +163,7 @@ fn add_new_images(args: &NewArgs, messages: Messages) -> anyhow::Result<Option<O
     let bar = messages.progress(0, "Reading new images");
     let changes = FolderChanges::find(&document, location.folder(), &count_steps(&bar));
     bar.finish_and_clear();
-    for (name, error) in &changes.left_out {
-        messages.frame_failed(name, &error.to_string());
-    }
+    messages.frames_failed(changes.left_out.iter().map(|(name, error)| (name, error)));
     // A step of undo, for whoever opens the project in the window.
     let before = document.without_suggestions();
     let added = document.add_images(&changes);

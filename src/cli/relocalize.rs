@@ -168,6 +168,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     // Ctrl-C leaves fewer proposals than frames.
     let looked_at = proposals.len();
     let (mut answered, mut kept) = (0, 0);
+    let mut without_answer = Vec::new();
     for proposal in &proposals {
         let Some(frame) = document.frames.by_id_mut(&proposal.frame) else {
             continue;
@@ -178,13 +179,14 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
                 kept += 1;
                 continue;
             }
-            Err(reason) => messages.frame_failed(&frame.name(), &reason.to_string()),
+            Err(reason) => without_answer.push((frame.name(), reason)),
         }
         // Without the times, two runs write the same bytes.
         if let Some(solution) = frame.solution.as_mut().filter(|_| !args.timings) {
             solution.timings_ms = None;
         }
     }
+    messages.frames_failed(without_answer);
     document.count_edits_since(&before);
     write(&args.output, output, document.clone(), &folder)?;
     // Stopped early: `--resume` continues with what has been written.

@@ -72,6 +72,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         passed: before.frames.len() - looked_at.len(),
         ..Counts::default()
     };
+    let mut failed = Vec::new();
     // In the order of the document, so that videos are read without seeking.
     for FramePicture { index, picture, .. } in
         PictureStream::new(before.at(location.folder()), looked_at)
@@ -82,8 +83,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         let picture = match picture {
             Ok(picture) => picture,
             Err(error) => {
-                counts.failed += 1;
-                messages.frame_failed(&name, &error.to_string());
+                failed.push((name, error.to_string()));
                 continue;
             }
         };
@@ -102,18 +102,18 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
             Ok(_) if is_solved => counts.snapped += 1,
             Ok(_) => counts.found += 1,
             Err(reason) => {
-                counts.failed += 1;
-                messages.frame_failed(&name, &reason.to_string());
+                failed.push((name, reason.to_string()));
             }
         }
     }
     bar.finish_and_clear();
+    let failures = failed.len();
+    messages.frames_failed(failed);
     document.count_edits_since(&before);
     output.write(document, location.folder())?;
     let Counts {
         snapped,
         found,
-        failed,
         passed,
     } = counts;
     let found = if args.from_nothing {
@@ -122,10 +122,10 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         String::new()
     };
     messages.note(&format!(
-        "{} snapped, {found}{failed} not, {passed} left unchanged (without a camera, or rejected)",
+        "{} snapped, {found}{failures} not, {passed} left unchanged (without a camera, or rejected)",
         pluralise(snapped, "frame")
     ));
-    Ok(Outcome::from_failure(failed > 0))
+    Ok(Outcome::from_failure(failures > 0))
 }
 
 /// Numbers of frames by outcome.
@@ -133,6 +133,5 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
 struct Counts {
     snapped: usize,
     found: usize,
-    failed: usize,
     passed: usize,
 }

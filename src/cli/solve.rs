@@ -3,7 +3,6 @@
 use super::Outcome;
 use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
 use crate::cli::terminal::messages::{Messages, count_steps};
-use std::collections::BTreeMap;
 use std::path::Path;
 use touchline_calibration::calibrate::{
     DecidedFrames, SolveOutcome, check_cameras, check_frame, record_line_check, solve_document_with,
@@ -88,42 +87,6 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     Ok(Outcome::from_failure(failed > 0))
 }
 
-/// Frames that fail for one reason: the first are named, the others counted. To programs each is
-/// named.
-#[derive(Default)]
-struct SameFailures {
-    /// How often each reason was met.
-    counts: BTreeMap<String, usize>,
-}
-
-impl SameFailures {
-    /// Frames that are named for each reason.
-    const MOST_NAMED: usize = 10;
-
-    fn report(&mut self, frame: &str, reason: &str, messages: Messages) {
-        let count = self.counts.entry(reason.to_owned()).or_default();
-        *count += 1;
-        if *count <= Self::MOST_NAMED || messages == Messages::Json {
-            messages.frame_failed(frame, reason);
-        }
-    }
-
-    fn count_others(self, messages: Messages) {
-        let others = self.counts.into_iter().map(|(reason, count)| {
-            let others = count.saturating_sub(Self::MOST_NAMED);
-            (reason, others)
-        });
-        for (reason, others) in others.filter(|(_, others)| *others > 0) {
-            if messages == Messages::Text {
-                messages.note(&format!(
-                    "and {} more: {reason}",
-                    pluralise(others, "frame")
-                ));
-            }
-        }
-    }
-}
-
 /// How many frames became what.
 #[derive(Default)]
 pub(super) struct SolveCounts {
@@ -150,19 +113,19 @@ pub(super) fn solve_and_report(
     bar.finish_and_clear();
     let mut counts = SolveCounts::default();
     let mut kept = 0;
-    let mut failures = SameFailures::default();
+    let mut failures = Vec::new();
     for (frame, outcome) in document.frames.iter().zip(&outcomes) {
         match outcome {
             SolveOutcome::Solved => counts.solved += 1,
             SolveOutcome::Kept => kept += 1,
             SolveOutcome::Failed(error) => {
                 counts.failed += 1;
-                failures.report(&frame.name(), &error.to_string(), messages);
+                failures.push((frame.name(), error));
             }
             _ => counts.passed += 1,
         }
     }
-    failures.count_others(messages);
+    messages.frames_failed(failures);
     if kept > 0 {
         messages.note(&format!(
             "{} with enough clicks kept as decided: the camera was set by hand, aligned to paint \

@@ -108,9 +108,8 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     // None would mean that the progress cancelled it, and this one never does.
     let studied = studied.unwrap_or_default();
     report_refusal(&store, messages);
-    for (index, error) in &studied.failed {
-        messages.frame_failed(&document.frames[*index].name(), &error.to_string());
-    }
+    let failed = studied.failed.iter();
+    messages.frames_failed(failed.map(|(index, error)| (document.frames[*index].name(), error)));
     ensure!(
         studied
             .training_samples

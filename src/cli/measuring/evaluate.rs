@@ -117,11 +117,10 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     let agreed = agreed.says_something().then_some(agreed);
     // A frame without a score is named and decides the exit code; a frame of the estimate without
     // truth is no failure of the estimate, and is only noted.
-    for frame in &evaluation.frames {
-        if let Err(reason) = &frame.scores {
-            messages.frame_failed(&frame.name, &reason.to_string());
-        }
-    }
+    let frames = evaluation.frames.iter();
+    messages.frames_failed(
+        frames.filter_map(|frame| Some((&frame.name, frame.scores.as_ref().err()?))),
+    );
     if let Some(note) = without_truth(&evaluation.without_truth) {
         messages.note(&note);
     }

@@ -1,13 +1,18 @@
 //! The messages of a command on standard error: lines of text, or one JSON object per line.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::collections::BTreeMap;
 use std::fmt::{Display, Write as _};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use touchline_core::files::{is_control, plain};
+use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::Document;
 use touchline_vision::media::VideoBackend;
+
+/// Frames that are named for each reason.
+const MOST_NAMED: usize = 10;
 
 /// The format of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +39,29 @@ impl Messages {
     /// Reports a frame for which the command failed.
     pub fn frame_failed(self, frame: &str, message: &str) {
         self.write("frame_failed", Some(frame), message);
+    }
+
+    /// Reports frames for which the command failed, each with the reason. A person reads the first
+    /// ten names of a reason and the number of the others, a program all names.
+    pub fn frames_failed(self, failed: impl IntoIterator<Item = (impl Display, impl Display)>) {
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        for (frame, reason) in failed {
+            let reason = reason.to_string();
+            let count = counts.entry(reason.clone()).or_default();
+            *count += 1;
+            if *count <= MOST_NAMED || self == Self::Json {
+                self.frame_failed(&frame.to_string(), &reason);
+            }
+        }
+        for (reason, count) in counts {
+            let others = count.saturating_sub(MOST_NAMED);
+            if others > 0 && self == Self::Text {
+                self.note(&format!(
+                    "and {} more: {reason}",
+                    pluralise(others, "frame")
+                ));
+            }
+        }
     }
 
     /// Reports things that the command could not do, beside others that it did.

@@ -1,5 +1,6 @@
 //! Options of exports and imports.
 
+use super::cameras::picture_size::has_same_proportions;
 use super::rate::Rate;
 use super::timecode::Timecode;
 use crate::document::{CameraId, FieldSpec, FrameStatus, Stage, resolve_path};
@@ -144,8 +145,9 @@ pub struct ImportOptions {
     /// The size that the pictures had before they were stretched to that of the labels; none: they
     /// were not.
     pub stretched_from: Option<ImageSize>,
-    /// The size of the frames of the video to which imported frames may be attached. It is used
-    /// where there is no image and no [`size`](Self::size), if the cameras can be rescaled to it.
+    /// The size of the frames of the video to which imported frames may be attached. What has no
+    /// image is rescaled to it, from [`size`](Self::size) if that is given, where the proportions
+    /// agree.
     pub video_size: Option<ImageSize>,
     /// The pixel convention, where the format does not define it; none: the usual one of the
     /// format.
@@ -206,6 +208,20 @@ impl ImportOptions {
     /// not say how they count.
     pub(super) fn shift_to_corner_px(&self) -> f64 {
         self.pixels.unwrap_or(Pixels::Corner).to_corner_px()
+    }
+
+    /// The size of the video's frames, where labels for pictures of `size` have to be rescaled to
+    /// it. A size that is given beside a video is that of the labels.
+    pub(super) fn video_to_fit(&self, size: ImageSize) -> Option<ImageSize> {
+        self.video_size
+            .filter(|video| *video != size && has_same_proportions(size, *video))
+    }
+
+    /// The size of pictures that are not there: the video's, or the given one if that has other
+    /// proportions.
+    pub(super) fn picture_size(&self) -> Option<ImageSize> {
+        let given = self.size.or(self.video_size)?;
+        Some(self.video_to_fit(given).unwrap_or(given))
     }
 
     /// The options for reading files: the size of the video where no other is given.

@@ -222,23 +222,48 @@ fn read_file(name: &str, bytes: &[u8]) -> Result<FrameCamera, Problem> {
         .find("cam_params")
         .or_else(|| node.find("parameters"))
         .unwrap_or(node);
-    Ok(frame_from_pinhole(name, from_json(&node)?))
+    frame_from_json(name, &node)
 }
 
 /// The frame of a camera, whose principal point is the only thing that states its picture's size.
-fn frame_from_pinhole(name: &str, (pinhole, off_px): (Pinhole, f64)) -> FrameCamera {
+fn frame_from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
+    let (pinhole, off_px) = from_json(node)?;
+    let other_rotation = has_other_rotation(node, &pinhole).then_some(OTHER_ROTATION);
     if let Some((pinhole, size)) = from_pixel_centres(&pinhole) {
-        return FrameCamera {
+        return Ok(FrameCamera {
             off_px,
-            remark: Some(PIXEL_CENTRES),
+            remark: other_rotation.or(Some(PIXEL_CENTRES)),
             ..FrameCamera::new(name, Some(size), FrameProjection::Camera(pinhole))
-        };
+        });
     }
     let size = size_by_principal_point(pinhole.principal_point);
-    FrameCamera {
+    Ok(FrameCamera {
         off_px,
+        remark: other_rotation,
         ..FrameCamera::new(name, size, FrameProjection::Camera(pinhole))
-    }
+    })
+}
+
+/// What is said of cameras that state two rotations.
+const OTHER_ROTATION: &str = "rotation_matrix is not the rotation of the angles beside it; the angles are taken, as \
+                              the challenge's own reader does";
+/// Two statements of one rotation differ by less, degrees: angles are written with two decimals by
+/// some programs.
+const SAME_ROTATION_DEG: f64 = 0.05;
+
+/// Whether a camera file states another rotation beside its angles.
+fn has_other_rotation(node: &Node<'_>, pinhole: &Pinhole) -> bool {
+    let rows = node.find("rotation_matrix").and_then(|matrix| {
+        let rows = matrix.items().ok()?;
+        let rows: Option<Vec<[f64; 3]>> = rows.map(|row| row.numbers().ok()).collect();
+        <[[f64; 3]; 3]>::try_from(rows?).ok()
+    });
+    rows.is_some_and(|rows| {
+        let stated = Mat3::from(rows).transpose();
+        let of_angles = flip_rotation(&pinhole.cam_from_world);
+        let cosine = ((stated.transpose() * of_angles).trace() - 1.0) / 2.0;
+        cosine < SAME_ROTATION_DEG.to_radians().cos()
+    })
 }
 
 fn read_files(files: &Files) -> ExchangeResult<Vec<FrameCamera>> {
@@ -268,7 +293,7 @@ fn read_samples(bytes: &[u8]) -> Result<Option<Vec<FrameCamera>>, Problem> {
             if let Some(image) = image_of_sample(&sample) {
                 stem(&image.image_name()?).clone_into(&mut name);
             }
-            Ok(frame_from_pinhole(&name, from_json(&sample)?))
+            frame_from_json(&name, &sample)
         });
         let frame = frame.map_err(|problem| match line {
             Some(line) => problem.at_line(line),
@@ -547,6 +572,27 @@ mod tests {
         assert!(problem.ends_with("x_focal_length is missing"), "{problem}");
         let error = all_damaged.unwrap_err().to_string();
         assert!(error.starts_with("all.json: "), "{error}");
+    }
+
+    #[test]
+    fn a_rotation_that_contradicts_the_angles_beside_it_is_noted() {
+        let files = export_as(&reference(), Format::SoccerNet).files;
+        let camera: Value = serde_json::from_str(&text_of(&files, "camera_0001.json")).unwrap();
+        let angles = ["pan_degrees", "tilt_degrees", "roll_degrees"];
+        let rotation = rotation_of(angles.map(|key| camera[key].as_f64().unwrap()));
+        let rows = |matrix: Mat3| -> Value {
+            let rows = matrix.row_iter().map(|row| row.iter().copied().collect());
+            rows.collect::<Vec<Vec<f64>>>().into()
+        };
+        let remark_on = |matrix: Value| {
+            let mut camera = camera.clone();
+            camera["rotation_matrix"] = matrix;
+            let files = Files::one("camera_a.json", camera.to_string().into_bytes());
+            SoccerNet.read(&files, &ImportOptions::default()).unwrap()[0].remark
+        };
+        assert_eq!(remark_on(rows(rotation)), None);
+        assert_eq!(remark_on(rows(rotation.transpose())), Some(OTHER_ROTATION));
+        assert_eq!(remark_on(json!([1, 0, 0])), None, "another program's key");
     }
 
     #[test]

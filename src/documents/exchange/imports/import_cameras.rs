@@ -94,7 +94,7 @@ pub fn import_cameras(
         if let Some(video) = frame.video.as_mut().filter(|video| names_video(video)) {
             *video = path_between(folder, &images.join(&*video));
         }
-        sizes.push(known.or(options.size).or(options.video_size));
+        sizes.push(known.or_else(|| options.picture_size()));
         // Its size is noted above all the same: such a frame is in the document without a camera.
         if frame.unreadable.is_some() {
             continue;
@@ -298,6 +298,10 @@ impl ViewReader<'_> {
         if let Some(stated) = frame.size.filter(|_| factor != 1.0) {
             self.fitted_sizes.count(stated, size);
         }
+        let (fit, size) = match known {
+            None => self.fit_to_video(fit, size),
+            Some(_) => (fit, size),
+        };
         // A homography gives a camera only by a fit, which `validate` must check, too: it may place
         // the camera anywhere.
         let made = camera_of(&fit, size).map_err(|source| ExchangeError::NoCamera {
@@ -331,6 +335,24 @@ impl ViewReader<'_> {
                 Err(error)
             }
         })
+    }
+
+    /// A camera for pictures of a size, in those of the video if it has the same proportions.
+    fn fit_to_video(&mut self, fit: FrameCamera, size: ImageSize) -> (FrameCamera, ImageSize) {
+        let stated = FrameCamera {
+            size: Some(size),
+            ..fit
+        };
+        let video = self.options.video_to_fit(size);
+        let in_video = video.and_then(|video| {
+            let (in_video, _) = fit_to_picture(&stated, video, SizeSource::Stated)?;
+            Some((in_video, video))
+        });
+        let Some((in_video, video)) = in_video else {
+            return (stated, size);
+        };
+        self.fitted_sizes.count(size, video);
+        (in_video, video)
     }
 
     /// How far a camera shows the field from where its homography does at most, px.

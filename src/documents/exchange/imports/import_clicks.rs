@@ -206,7 +206,7 @@ fn fit_to_options(
     options: &ImportOptions,
     rescaled: &mut FittedSizes,
 ) -> Result<(), ExchangeError> {
-    let Some(size) = options.size.or(options.video_size) else {
+    let Some(size) = options.picture_size() else {
         return Ok(());
     };
     let stated = frame.size;

@@ -148,29 +148,36 @@ fn exports_of_a_video_are_attached_to_it() {
 
 #[test]
 fn cameras_of_a_smaller_picture_are_rescaled_to_the_video() {
-    let mut small = solved_video();
     let half = ImageSize::new(SIZE.width / 2, SIZE.height / 2);
-    let options = crate::exchange::ExportOptions {
+    let mut video = solved_video();
+    let video_size = size_of_only_video(video.at(Path::new("/match")));
+    let export = crate::exchange::ExportOptions {
         size: Some(half),
         ..crate::exchange::ExportOptions::default()
     };
-    let files = crate::exchange::export(small.at(Path::new("/")), Format::SoccerNet, &options)
-        .unwrap()
-        .files;
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("exported");
-    files.write(&path, true, false).unwrap();
-    let options = ImportOptions {
-        video_size: size_of_only_video(small.at(Path::new("/match"))),
-        ..ImportOptions::default()
-    };
-    let imported = import(&path, Format::SoccerNet, &options).unwrap();
-    let joined = join_with(&without_labels(&small), &imported);
-    assert_eq!((joined.matched, joined.other_size), (FRAMES, 0));
-    assert!(worst_m(&small, &joined.document) < 0.01);
-    small.frames[3].image_size = half;
+    for format in [Format::SoccerNet, Format::Wc14] {
+        let exported = crate::exchange::export(video.at(Path::new("/")), format, &export).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("exported");
+        exported.files.write(&path, true, false).unwrap();
+        // A homography does not say the size of its picture, which has to be given then.
+        let given = [None, Some(half)].into_iter();
+        for size in given.filter(|size| size.is_some() || format == Format::SoccerNet) {
+            let options = ImportOptions {
+                size,
+                video_size,
+                ..ImportOptions::default()
+            };
+            let imported = import(&path, format, &options).unwrap();
+            let joined = join_with(&without_labels(&video), &imported);
+            assert_eq!((joined.matched, joined.other_size), (FRAMES, 0), "{format}");
+            let worst_m = worst_m(&video, &joined.document);
+            assert!(worst_m < 0.05, "{format}, {size:?}: {worst_m} m");
+        }
+    }
+    video.frames[3].image_size = half;
     assert_eq!(
-        size_of_only_video(small.at(Path::new("/match"))),
+        size_of_only_video(video.at(Path::new("/match"))),
         None,
         "frames of two sizes"
     );
