@@ -129,7 +129,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let report = MatchReport::new(messages);
     let interrupt = Interrupt::listen();
     let progress = Progress::new(|event| {
-        if let MatchEvent::Found { document, .. } = &event
+        if let MatchEvent::Found { document, .. } | MatchEvent::Joined { document, .. } = &event
             && let Err(error) = output.write_draft(document, &folder)
         {
             messages.note(&format!("the project cannot be written yet: {error:#}"));

@@ -81,6 +81,13 @@ impl MatchReport {
                 }
                 describe_found(&found, messages);
             }
+            MatchEvent::Joined { camera, frames, .. } => {
+                shown.bar.clear();
+                messages.note(&format!(
+                    "{} that match none of these: {camera} again, at the same place",
+                    pluralise(frames, "frame")
+                ));
+            }
             MatchEvent::FromClicks { camera, base } => {
                 shown.bar.clear();
                 if let Some(base) = base {

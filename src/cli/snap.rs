@@ -122,7 +122,8 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         String::new()
     };
     messages.note(&format!(
-        "{} snapped, {found}{failures} not, {passed} left unchanged (without a camera, or rejected)",
+        "{} snapped, {found}{failures} not, {passed} left unchanged (without a camera, or \
+         rejected)",
         pluralise(snapped, "frame")
     ));
     Ok(Outcome::from_failure(failures > 0))

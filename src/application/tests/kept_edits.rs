@@ -90,7 +90,7 @@ impl World {
             live: BTreeSet::new(),
             exposed: BTreeSet::new(),
             made: 0,
-            story: Vec::new(),
+            story: vec![format!("sequence {number}")],
         }
     }
 
@@ -397,12 +397,18 @@ impl World {
 
     /// Once the window has seen what others did, it has kept what it holds.
     fn look(&mut self) {
-        if self
-            .window
-            .as_ref()
-            .is_some_and(|window| window.app.session.disk.changed_outside.is_some())
-        {
-            self.exposed.clear();
+        let has_seen = |window: &Headless| window.app.session.disk.changed_outside.is_some();
+        if self.window.as_ref().is_some_and(has_seen) {
+            let on_disk = self.files(false);
+            let live = &self.live;
+            self.exposed
+                .retain(|mark| live.contains(mark) && !on_disk.contains(mark));
+            assert!(
+                self.exposed.is_empty(),
+                "{:?} was seen and not kept after\n{}",
+                self.exposed,
+                self.story.join("\n")
+            );
         }
     }
 

@@ -6,6 +6,7 @@ use super::kept_work::{KeptWork, WorkKey};
 use super::match_labels::{Labelling, MatchEvent};
 use super::no_camera::NoCamera;
 use super::other_cameras::{MIN_FRAMES, split_off};
+use super::same_camera::join_same;
 use crate::autocalibrate::{
     AutocalibrationAnswer, AutocalibrationError, SearchExtent, find_camera_in_stages,
 };
@@ -89,6 +90,9 @@ impl Labelling<'_> {
             }
             match answer {
                 Ok(of_camera) => {
+                    if self.join_known(&camera, &of_camera, &found) {
+                        continue;
+                    }
                     record_found(self.document, &camera, &of_camera);
                     if let Some(why) = why_not_first.take() {
                         self.report_not_found(first, why, None);
@@ -96,12 +100,12 @@ impl Labelling<'_> {
                     // What follows checks for itself whether the work is cancelled, and keeps what
                     // is done.
                     let _ = self.progress.report(MatchEvent::Found {
-                        camera,
+                        camera: camera.clone(),
                         found: Arc::clone(&of_camera),
                         separate_frames,
                         document: Box::new(self.document.clone()),
                     });
-                    found.push(of_camera);
+                    found.push((camera, of_camera));
                 }
                 Err(why) if separate_frames.is_none() => why_not_first = Some(why),
                 Err(why) => self.report_not_found(&camera, why, separate_frames),
@@ -112,8 +116,39 @@ impl Labelling<'_> {
                 *self.document = before;
                 Err(why)
             }
-            None => Ok(found),
+            None => Ok(found.into_iter().map(|(_, of_camera)| of_camera).collect()),
         })
+    }
+
+    /// Gives a found camera's frames to the camera that was found at the same place before, with
+    /// its base. Returns whether there is one.
+    fn join_known(
+        &mut self,
+        camera: &CameraId,
+        of_camera: &AutocalibratedCamera,
+        found: &[(CameraId, Arc<AutocalibratedCamera>)],
+    ) -> bool {
+        let document = &*self.document;
+        let joined = found.iter().find_map(|(known, of_known)| {
+            let image_size = |index: usize| document.frames[index].image_size;
+            Some((known, join_same(of_known, of_camera, image_size)?))
+        });
+        let Some((known, joined)) = joined else {
+            return false;
+        };
+        for index in 0..self.document.frames.len() {
+            if self.document.frames[index].camera == *camera {
+                self.document.frames[index].camera = known.clone();
+            }
+        }
+        self.document.cameras.retain(|other| other.id != *camera);
+        record_found(self.document, known, &joined);
+        let _ = self.progress.report(MatchEvent::Joined {
+            camera: known.clone(),
+            frames: of_camera.frames.len(),
+            document: Box::new(self.document.clone()),
+        });
+        true
     }
 
     fn report_not_found(&self, camera: &CameraId, why: NoCamera, separate_frames: Option<usize>) {

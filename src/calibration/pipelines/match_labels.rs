@@ -99,6 +99,16 @@ pub enum MatchEvent {
         /// the program.
         document: Box<Document>,
     },
+    /// Sampled frames that matched none of a known camera's show it all the same: the search from
+    /// them ended where that camera stands.
+    Joined {
+        /// Id of the known camera.
+        camera: CameraId,
+        /// Number of the frames.
+        frames: usize,
+        /// The present document.
+        document: Box<Document>,
+    },
     /// The clicks give the camera, and the frames tracked from them lie on their paint.
     FromClicks {
         /// Id of the camera.

@@ -19,6 +19,7 @@ mod match_labels;
 mod mend;
 mod no_camera;
 mod other_cameras;
+mod same_camera;
 mod shots;
 mod track_clips;
 

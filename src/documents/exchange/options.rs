@@ -1,6 +1,5 @@
 //! Options of exports and imports.
 
-use super::cameras::picture_size::has_same_proportions;
 use super::rate::Rate;
 use super::timecode::Timecode;
 use crate::document::{CameraId, FieldSpec, FrameStatus, Stage, resolve_path};
@@ -214,7 +213,7 @@ impl ImportOptions {
     /// it. A size that is given beside a video is that of the labels.
     pub(super) fn video_to_fit(&self, size: ImageSize) -> Option<ImageSize> {
         self.video_size
-            .filter(|video| *video != size && has_same_proportions(size, *video))
+            .filter(|video| *video != size && size.factor_to(*video).is_some())
     }
 
     /// The size of pictures that are not there: the video's, or the given one if that has other

@@ -245,8 +245,8 @@ fn frame_from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> 
 }
 
 /// What is said of cameras that state two rotations.
-const OTHER_ROTATION: &str = "rotation_matrix is not the rotation of the angles beside it; the angles are taken, as \
-                              the challenge's own reader does";
+const OTHER_ROTATION: &str = "rotation_matrix is not the rotation of the angles beside it; \
+ the angles are taken, as the challenge's own reader does";
 /// Two statements of one rotation differ by less, degrees: angles are written with two decimals by
 /// some programs.
 const SAME_ROTATION_DEG: f64 = 0.05;
