@@ -2,6 +2,7 @@
 //! is lost.
 
 use crate::headless::{Headless, project_of};
+use crate::kept_edits::copy_files;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -109,6 +110,34 @@ fn ask(headless: &mut Headless) {
     headless.wait_until("the question", |app| {
         app.session.dialog == Some(Dialog::ChangedOutside)
     });
+}
+
+#[test]
+fn an_edit_after_another_programs_change_keeps_all_that_the_window_has() {
+    let (_root, path) = new_project(2);
+    let before = fs::read(path.join("project.json")).unwrap();
+    let mut headless = Headless::open(&path);
+    accept(&mut headless, 0, -4.0);
+    save(&mut headless);
+    // Their version has the label, so that there is nothing to keep beside it.
+    write_outside(&path, |document| {
+        document.frames[1].comment = Some("theirs".to_owned());
+    });
+    ask(&mut headless);
+    assert!(!path.join("project.json.mine-1").exists());
+    headless.act(Action::View(ViewAction::CloseDialog));
+    headless.act(Action::Edit(EditAction::SetComment("mine".to_owned())));
+    headless.wait_until("the own version", |app| {
+        app.session.disk.own_version.is_some()
+    });
+    // The next change takes the label away, and the window is killed before it looks again.
+    fs::write(path.join("project.json"), before).unwrap();
+    let left = tempfile::tempdir().unwrap();
+    copy_files(&path, left.path());
+    drop(headless);
+    let own = load(left.path().join("project.json.mine-1"));
+    assert_eq!(statuses(&own), [FrameStatus::Reference, FrameStatus::New]);
+    assert_eq!(own.frames[0].comment.as_deref(), Some("mine"));
 }
 
 #[test]

@@ -23,6 +23,9 @@ pub(super) struct Work<'a> {
     behind_since: Option<Instant>,
     /// Whether the last append to the journal failed; the failure is reported once.
     journal_refused: bool,
+    /// The document's file, if another program has changed it and the user had nothing of their own
+    /// to keep beside it then.
+    without_own: Option<PathBuf>,
     options: SaverOptions,
     mailbox: &'a Mailbox<Orders, SaverReport>,
 }
@@ -42,6 +45,7 @@ impl<'a> Work<'a> {
             to_journal: Vec::new(),
             save_request: 0,
             journal_refused: false,
+            without_own: None,
             options,
             mailbox,
         }
@@ -79,6 +83,11 @@ impl<'a> Work<'a> {
                 self.take(edit, to);
             }
             self.journal();
+            // The version that the journal starts from is on disk no more: the first edit after
+            // another program's change keeps it.
+            if let Some(path) = self.without_own.take() {
+                self.keep_own(path);
+            }
         }
         if let Some(others) = save {
             // `write` and `save_over` have the number 0, which must not replace a later one.
@@ -206,6 +215,7 @@ impl<'a> Work<'a> {
                 });
                 None
             });
+        self.without_own = own.is_none().then(|| path.clone());
         self.report(SaverReport::ChangedOutside { path, own });
     }
 
@@ -214,6 +224,7 @@ impl<'a> Work<'a> {
         // The document contains all edits, also those that the journal refused.
         self.journal_refused = false;
         self.behind_since = None;
+        self.without_own = None;
         self.to_journal.clear();
         self.journaled_revision = self.latest.revision;
         let (revision, request) = (self.journaled_revision, self.save_request);
