@@ -17,7 +17,7 @@ use touchline_core::camera::{CameraBase, Ptz};
 use touchline_core::geometry::{ImagePoint, ImageSize};
 use touchline_core::testing::SIZE;
 
-/// The size of pictures that nobody looks at, px.
+/// The size of pictures that are never looked at, px.
 pub const SMALL: ImageSize = ImageSize::new(64, 48);
 
 /// A document of a soccer field without cameras and frames.

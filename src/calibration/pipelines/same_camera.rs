@@ -3,10 +3,9 @@
 
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, ptz_on_base};
 use std::f64::consts::TAU;
-use touchline_core::camera::{Ptz, PtzCamera};
+use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::geometry::{ImageSize, Mat3, Vec3, median};
 use touchline_core::solve::base::FittedSize;
-use touchline_vision::paint::Snapped;
 
 /// The largest squared distance of two estimates of one position by their joint covariance: 99.7 %
 /// of χ² with three degrees of freedom.
@@ -22,7 +21,8 @@ const SPREAD_M: [f64; 3] = [1.0, 10.0, 4.0];
 const MAX_CHANCE: f64 = 0.01;
 
 /// How far the ground may move in a frame that goes to the other estimate's base, px at 1920 px
-/// width: the median over the frames.
+/// width: the median over the ground that it shows, and over the frames. Estimates of one camera
+/// from its left and its right views differ by several px in the corners, as their lenses do.
 const MAX_MOVED_PX: f64 = 3.0;
 
 /// A camera whose frames are given to the base of another estimate of the same camera; none if the
@@ -35,35 +35,32 @@ pub(super) fn join_same(
     if !is_same_place(known, found) || !have_same_sizes(&known.sizes, &found.sizes) {
         return None;
     }
-    let mut moved_px = Vec::new();
-    let mut frames = Vec::new();
-    for frame in &found.frames {
+    // A frame that shows no ground cannot be compared, and is found again by tracking.
+    let moved = found.frames.iter().filter_map(|frame| {
         let size = image_size(frame.index);
-        let mut moved = |ptz: Ptz| {
-            let on_base = ptz_on_base(&PtzCamera::new(found.base, ptz), &known.base, size)?;
-            moved_px.push(on_base.off_px / size.scale_from_1920());
-            Some(on_base.ptz)
-        };
-        // A frame that shows no ground cannot be compared, and is found again by tracking.
-        let Some(ptz) = moved(frame.ptz) else {
-            continue;
-        };
-        let snapped = frame.snapped.as_ref().and_then(|snapped| {
-            Some(Snapped {
-                ptz: moved(snapped.ptz)?,
-                ..snapped.clone()
-            })
-        });
-        frames.push(AutocalibratedFrame {
-            ptz,
-            snapped,
-            ..frame.clone()
-        });
-    }
+        move_frame(frame, &found.base, &known.base, size)
+    });
+    let (frames, mut moved_px): (Vec<_>, Vec<_>) = moved.unzip();
     (median(&mut moved_px)? <= MAX_MOVED_PX).then(|| AutocalibratedCamera {
         frames,
         ..known.clone()
     })
+}
+
+/// A frame on another base, and how far its ground moves, px at 1920 px width.
+fn move_frame(
+    frame: &AutocalibratedFrame,
+    from: &CameraBase,
+    to: &CameraBase,
+    size: ImageSize,
+) -> Option<(AutocalibratedFrame, f64)> {
+    let mut moved = frame.clone();
+    let on_base = ptz_on_base(&PtzCamera::new(*from, frame.ptz), to, size)?;
+    moved.ptz = on_base.ptz;
+    if let Some(of_picture) = &mut moved.snapped {
+        of_picture.ptz = ptz_on_base(&PtzCamera::new(*from, of_picture.ptz), to, size)?.ptz;
+    }
+    Some((moved, on_base.moved_px))
 }
 
 /// Whether two estimates of a position agree, and so closely that another match's camera would
@@ -86,16 +83,13 @@ fn is_same_place(known: &AutocalibratedCamera, found: &AutocalibratedCamera) -> 
 
 /// Whether the lengths of the field that both have fitted agree.
 fn have_same_sizes(known: &[FittedSize], found: &[FittedSize]) -> bool {
-    let fitted = |sizes: &[FittedSize], name: &str| {
-        let size = sizes.iter().find(|size| size.name == name)?;
-        (!size.is_open).then_some((size.value_m, size.error.sigma_m))
-    };
-    found.iter().all(|size| {
-        let both = fitted(known, &size.name).zip(fitted(found, &size.name));
-        both.is_none_or(|((known_m, known_sigma_m), (found_m, found_sigma_m))| {
-            let sigma_m = known_sigma_m.hypot(found_sigma_m);
-            (known_m - found_m).abs() <= MAX_SIZE_SIGMAS * sigma_m
-        })
+    let pairs = found.iter().filter_map(|size| {
+        let other = known.iter().find(|other| other.name == size.name)?;
+        (!size.is_open && !other.is_open).then_some((size, other))
+    });
+    pairs.into_iter().all(|(size, other)| {
+        let sigma_m = size.error.sigma_m.hypot(other.error.sigma_m);
+        (size.value_m - other.value_m).abs() <= MAX_SIZE_SIGMAS * sigma_m
     })
 }
 
@@ -103,7 +97,7 @@ fn have_same_sizes(known: &[FittedSize], found: &[FittedSize]) -> bool {
 mod tests {
     use super::*;
     use crate::calibrate::AutocalibrationEvidence;
-    use touchline_core::camera::{BaseSigma, CameraBase, SizeError};
+    use touchline_core::camera::{BaseSigma, Ptz, SizeError};
     use touchline_core::testing::{SIZE, soccer, turned_base};
 
     /// A camera at a place, with its 1-σ along each axis, and frames at these pans.

@@ -29,7 +29,7 @@ impl AsItWas<'_> {
         then == now && self.has_field(camera)
     }
 
-    /// The present position of a frame in which nobody has worked since: camera, clicks, decision
+    /// The present position of a frame in which no person has worked since: camera, clicks, decision
     /// and solution are those of then. Suggestions, the shot, comments and masks may differ.
     pub fn position_if_untouched(self, id: &FrameId) -> Option<usize> {
         let then = self.then.frames.by_id(id)?;

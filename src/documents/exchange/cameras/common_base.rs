@@ -143,11 +143,11 @@ fn moment_of(frame: &FrameCamera) -> Option<Moment<'_>> {
 /// Whether the cameras of frames in the order of time look nearly where the one before looks.
 fn follow_each_other(views: &[View], frames: &[usize]) -> bool {
     let axis = |index: usize| views[index].2.cam_from_world.row(2).transpose();
-    let mut turns: Vec<f64> = frames
+    let mut angles: Vec<f64> = frames
         .windows(2)
         .map(|pair| axis(pair[0]).cross(&axis(pair[1])).norm())
         .collect();
-    median(&mut turns).is_some_and(|turn| turn <= MOST_TURN_RAD)
+    median(&mut angles).is_some_and(|angle| angle <= MOST_TURN_RAD)
 }
 
 /// The frames of a sequence by the places between which there are gaps, each in the order of time.

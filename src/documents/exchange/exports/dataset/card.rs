@@ -61,7 +61,7 @@ const CONVENTIONS: &str = "\n## Conventions\n
 `clicks_only` (no camera). A click with `snapped_sigma_px` was moved to the paint; one with `check` was held out of the solve.
 ";
 
-/// A name from somebody's file as Markdown that shows it: no HTML, link, code or line break.
+/// A name from another person's file as Markdown that shows it: no HTML, link, code or line break.
 fn escape(name: &str) -> String {
     let mut text = String::with_capacity(name.len());
     for letter in name.chars() {
