@@ -151,7 +151,8 @@ pub trait CameraFormat: Sync {
 /// The name of a frame's files: the one that they came under, else its image's without the ending,
 /// or the video's with the frame's number.
 pub fn stem_of(frame: &FrameCamera) -> String {
-    // A document that another person sent may state any name; a folder in it would lead out of the export.
+    // A document that came from elsewhere may state any name; a folder in it would lead out of the
+    // export.
     if let Some(name) = &frame.labels_name {
         return base_name(name).to_owned();
     }
