@@ -284,10 +284,12 @@ impl KeepParts for PartsInWork {
 mod tests {
     use super::*;
     use crate::autocalibrate::Abstention;
-    use crate::calibrate::AutocalibrationEvidence;
+    use crate::calibrate::{AutocalibratedFrame, AutocalibrationEvidence};
     use crate::pipelines::MatchOptions;
     use std::path::Path;
-    use touchline_core::testing::{SIZE, soccer, turned_base};
+    use touchline_core::camera::Ptz;
+    use touchline_core::geometry::ImageSize;
+    use touchline_core::testing::{soccer, turned_base};
     use touchline_documents::document::{Camera, Document, ShotKind};
     use touchline_documents::testing::cut_video;
     use touchline_vision::media::FrameReader;
@@ -303,22 +305,35 @@ mod tests {
         document
     }
 
-    fn a_camera() -> AutocalibratedCamera {
+    /// The camera of a shot, found from its first frame, at this height.
+    fn camera_at(height_m: f64, shot: usize, size: ImageSize) -> AutocalibratedCamera {
+        let mut base = turned_base([0.0, -60.0, height_m], [0.0; 3], size);
+        base.sigma.position_m = [0.06, 0.3, 0.07].into();
+        let frame = AutocalibratedFrame {
+            index: 20 * shot,
+            ptz: Ptz::from_degrees(10.0 * shot as f64, -12.0, f64::from(size.width)),
+            uncertainty: None,
+            snapped: None,
+            unaligned_score: None,
+        };
         AutocalibratedCamera {
-            base: turned_base([0.0, -60.0, 15.0], [0.0; 3], SIZE),
+            base,
             field: soccer(),
             sizes: Vec::new(),
-            frames: Vec::new(),
+            frames: vec![frame],
             others: Vec::new(),
             paint: Vec::new(),
             evidence: AutocalibrationEvidence::default(),
         }
     }
 
-    /// Searches for the cameras of four shots, each of another camera, of which those in `refused`
-    /// give none. Returns the frames from which each was searched, whether any was found, and the
+    /// Heights of four cameras.
+    const DIFFERENT_M: [f64; 4] = [15.0, 16.0, 17.0, 18.0];
+
+    /// Searches for the cameras of four shots at these heights, of which those in `refused` give
+    /// none. Returns the frames from which each was searched, whether any was found, and the
     /// document.
-    fn find_in_shots(refused: &[usize]) -> (Vec<Vec<usize>>, bool, Document) {
+    fn find_in_shots(heights_m: [f64; 4], refused: &[usize]) -> (Vec<Vec<usize>>, bool, Document) {
         let mut document = four_shots();
         let mut labelling = Labelling {
             document: &mut document,
@@ -350,7 +365,8 @@ mod tests {
                 let (why, clicks) = (Abstention::NothingFits, None);
                 Err(NoCamera::Abstained { why, clicks })
             } else {
-                Ok(Arc::new(a_camera()))
+                let size = frames[0].image_size;
+                Ok(Arc::new(camera_at(heights_m[shot], shot, size)))
             };
             Ok((end, Some(answer)))
         });
@@ -367,11 +383,25 @@ mod tests {
             .map(|shot| (20 * shot..20 * (shot + 1)).collect())
             .collect();
         for refused in [&[][..], &[0], &[1], &[3], &[0, 1, 2]] {
-            let (searched, is_found, _) = find_in_shots(refused);
+            let (searched, is_found, _) = find_in_shots(DIFFERENT_M, refused);
             assert_eq!((searched, is_found), (each.clone(), true), "{refused:?}");
         }
-        let (searched, is_found, document) = find_in_shots(&[0, 1, 2, 3]);
+        let (searched, is_found, document) = find_in_shots(DIFFERENT_M, &[0, 1, 2, 3]);
         assert_eq!((searched, is_found), (each, false));
         assert_eq!(document, four_shots(), "unchanged");
+    }
+
+    #[test]
+    fn a_camera_that_is_found_again_gets_its_frames() {
+        let (searched, _, document) = find_in_shots([15.0, 18.0, 15.0, 18.0], &[]);
+        assert_eq!(searched.len(), 4);
+        assert_eq!(document.cameras.len(), 2);
+        let camera_of = |frame: usize| &document.frames[frame].camera;
+        assert_eq!(camera_of(5).as_str(), "main");
+        assert_eq!(
+            (camera_of(45), camera_of(65)),
+            (camera_of(5), camera_of(25))
+        );
+        assert!(document.frames[40].ptz.is_some());
     }
 }
