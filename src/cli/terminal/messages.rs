@@ -46,11 +46,16 @@ impl Messages {
     pub fn frames_failed(self, failed: impl IntoIterator<Item = (impl Display, impl Display)>) {
         let mut counts: BTreeMap<String, usize> = BTreeMap::new();
         for (frame, reason) in failed {
-            let reason = reason.to_string();
+            let (frame, reason) = (frame.to_string(), reason.to_string());
+            // An error of a file names it, too.
+            let reason = reason
+                .strip_prefix(&format!("{frame}: "))
+                .unwrap_or(&reason)
+                .to_owned();
             let count = counts.entry(reason.clone()).or_default();
             *count += 1;
             if *count <= MOST_NAMED || self == Self::Json {
-                self.frame_failed(&frame.to_string(), &reason);
+                self.frame_failed(&frame, &reason);
             }
         }
         for (reason, count) in counts {

@@ -251,6 +251,35 @@ fn new_again_adds_the_images_that_came_and_changes_nothing_else() {
 }
 
 #[test]
+fn frames_that_fail_for_one_reason_are_counted_beyond_ten_and_programs_read_each() {
+    let folder = pictures();
+    for number in 0..14 {
+        fs::write(
+            folder.path().join(format!("frames/bad{number}.png")),
+            "no picture",
+        )
+        .unwrap();
+    }
+    let text = touchline(folder.path(), "new text --frames frames --field soccer");
+    let named = text.stderr.lines().filter(|line| line.contains("bad"));
+    assert_eq!(named.count(), 10, "{}", text.stderr);
+    assert!(
+        text.stderr.contains("and 4 frames more: "),
+        "{}",
+        text.stderr
+    );
+    let json = touchline(
+        folder.path(),
+        "--json new json --frames frames --field soccer",
+    );
+    let failed = json
+        .stderr
+        .lines()
+        .filter(|line| line.contains("frame_failed"));
+    assert_eq!(failed.count(), 14);
+}
+
+#[test]
 fn new_names_what_it_leaves_out() {
     let folder = pictures();
     fs::write(folder.path().join("frames/3.png"), "no picture").unwrap();
