@@ -103,6 +103,10 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
         undo_name(&window).as_deref(),
         Some("Nudge Penalty area, far left, front corner")
     );
+    // A point's buttons stand in the row that is selected or pointed at.
+    assert!(window.harness.query_by_label("Check point 2").is_none());
+    window.press_label("Point 2: Centre circle meets halfway line, near, no evidence");
+    window.harness.run_steps(2);
     window.press_label("Check point 2");
     window.harness.run_steps(2);
     assert!(window.app().frame().unwrap().clicks[1].check);

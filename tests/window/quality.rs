@@ -12,6 +12,7 @@ pub const TESTS: &[Test] = tests![
     [Adapter] errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst;
     [Adapter] without_a_camera_the_page_says_what_will_appear;
     [Adapter] curves_below_the_picture_lead_to_a_frame;
+    [Adapter] the_shown_frames_point_of_a_curve_is_dragged_in_one_step;
 ];
 
 const SIZE: [f32; 2] = [1280.0, 720.0];
@@ -155,4 +156,55 @@ fn curves_below_the_picture_lead_to_a_frame() {
     window.apply(Action::Command(Command::ShowCurves));
     window.harness.run_steps(3);
     assert!(window.harness.query_by_label(name).is_none());
+}
+
+fn the_shown_frames_point_of_a_curve_is_dragged_in_one_step() {
+    let mut window = Window::open_suggested(&[Some(0.9); 9], SIZE);
+    window.apply(Action::Command(Command::ShowCurves));
+    window.harness.run_steps(3);
+    let name = "Pan, tilt and focal length over time: 9 suggestions";
+    let plots = window.harness.get_by_label(name).rect();
+    // The scale leaves some room above the highest point.
+    let last = plots.right_top() + egui::vec2(-18.0, 18.0);
+    let looks = |window: &Window, frame: usize| {
+        let document = &window.app().open().unwrap().document;
+        document.frames[frame].ptz.as_ref().unwrap().ptz()
+    };
+    // Another frame is shown: dragging its point changes no camera.
+    let before = looks(&window, 8);
+    window.press(last);
+    window.drag(last + egui::vec2(0.0, 12.0));
+    window.release(last + egui::vec2(0.0, 12.0));
+    assert_eq!(looks(&window, 8), before);
+
+    window.press(last);
+    window.release(last);
+    assert_eq!(window.app().session.frame, 8);
+    window.press(last);
+    for by in [8.0, 12.0, 16.0] {
+        window.drag(last + egui::vec2(0.0, by));
+    }
+    window.release(last + egui::vec2(0.0, 16.0));
+    let after = looks(&window, 8);
+    // Half of the plot's height, which has the pans of nine frames and some room.
+    let turned = before.pan.degrees() - after.pan.degrees();
+    let whole = before.pan.degrees() - looks(&window, 0).pan.degrees();
+    assert!(
+        (0.5..1.0).contains(&(turned / whole)),
+        "{turned} of {whole}°"
+    );
+    assert_eq!((after.tilt, after.focal_px), (before.tilt, before.focal_px));
+    let history = &window.app().open().unwrap().history;
+    assert_eq!(history.num_done(), 1);
+    window.apply(Action::Command(Command::Undo));
+    assert_eq!(looks(&window, 8), before);
+
+    // Escape gives the drag up while the button is down.
+    window.press(last);
+    window.drag(last + egui::vec2(0.0, 12.0));
+    assert_ne!(looks(&window, 8), before);
+    window.key(Key::Escape);
+    window.drag(last + egui::vec2(0.0, 16.0));
+    window.release(last + egui::vec2(0.0, 16.0));
+    assert_eq!(looks(&window, 8), before);
 }

@@ -15,8 +15,12 @@ use touchline_application::scene::overlay::{CHECK, click_colour};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Click, ClickOrigin};
 
-/// Width of the column of residuals, points: for numbers, and for the words "no evidence".
-const RESIDUAL: [f32; 2] = [50.0, 68.0];
+/// Width of the column of residuals, points.
+const RESIDUAL: f32 = 50.0;
+
+/// What stands beside the heading, once for all points, where residuals are no evidence.
+const NO_EVIDENCE: &str = "no evidence";
+const WHY_NO_EVIDENCE: &str = "Two points can always be fitted, so their residual proves nothing.";
 
 /// The commands in the context menu of a point.
 const MENU: [Command; 4] = [
@@ -36,6 +40,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
             format!("POINTS  {count}")
         };
         theme::title(ui, &heading);
+        if count > 0 && !residuals_are_evidence(panel.app) {
+            theme::weak(ui, NO_EVIDENCE).on_hover_text(WHY_NO_EVIDENCE);
+        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             on_line_switch(panel, ui);
         });
@@ -98,8 +105,9 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
         let label = format!("Point {}: {name}, {}", index + 1, residual.text);
         WidgetInfo::selected(Role::Button, true, selected, label)
     });
-    // The background of the row.
-    let ground = match (selected, response.hovered()) {
+    // Its buttons, too, hover over the row.
+    let hovered = ui.rect_contains_pointer(rect);
+    let ground = match (selected, hovered) {
         (true, _) => Some(ui.palette().accent_ground),
         (false, true) => Some(ui.palette().raised),
         (false, false) => None,
@@ -112,7 +120,8 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
     let painter = ui.painter().clone();
     let middle = rect.center().y;
     let small = FontId::proportional(theme::SMALL);
-    // From left to right: number, symbol of its kind, name, residual; the buttons come last.
+    // From left to right: number, symbol of its kind, name, residual. The buttons, which come last,
+    // stand only in the row that is selected or pointed at, so that names have room.
     painter.text(
         pos2(rect.left() + 14.0, middle),
         Align2::RIGHT_CENTER,
@@ -134,14 +143,16 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
     );
     symbol::paint(&painter, kind, mark, colour);
 
-    let buttons = 2.0 * theme::SYMBOL.x;
-    let has_evidence = app
-        .shown_values()
-        .click_solution()
-        .is_none_or(FrameSolution::residuals_are_evidence);
+    let has_buttons = selected || hovered;
+    let buttons = if has_buttons {
+        2.0 * theme::SYMBOL.x
+    } else {
+        0.0
+    };
+    let paints_residual = residual.text != NO_EVIDENCE;
     let text_left = rect.left() + 38.0;
-    let text_width =
-        rect.right() - buttons - RESIDUAL[usize::from(!has_evidence)] - 4.0 - text_left;
+    let residual_width = if paints_residual { RESIDUAL } else { 0.0 };
+    let text_width = rect.right() - buttons - residual_width - 4.0 - text_left;
     let strength = if click.target.is_none() {
         ui.palette().caution
     } else {
@@ -159,14 +170,16 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
         galley,
         strength,
     );
-    let right = pos2(rect.right() - buttons - 4.0, middle);
-    painter.text(
-        right,
-        Align2::RIGHT_CENTER,
-        &residual.text,
-        small,
-        residual.colour,
-    );
+    if paints_residual {
+        let right = pos2(rect.right() - buttons - 4.0, middle);
+        painter.text(
+            right,
+            Align2::RIGHT_CENTER,
+            &residual.text,
+            small,
+            residual.colour,
+        );
+    }
 
     // A double click reports a click as well, hence the order. A right click selects the point that
     // the commands of the menu act on.
@@ -180,6 +193,9 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
         panel.navigate(Navigation::Select(Some(index)));
     }
     response.context_menu(|ui| menu::entries(panel, ui, &MENU));
+    if !has_buttons {
+        return;
+    }
     // The buttons are widgets of their own on top of the row.
     let tail = Rect::from_min_max(pos2(rect.right() - buttons, rect.top()), rect.max);
     let layout = Layout::right_to_left(Align::Center);
@@ -280,6 +296,12 @@ impl Residual {
     }
 }
 
+/// Whether what the shown frame's points are off says anything about its camera.
+fn residuals_are_evidence(app: &App) -> bool {
+    let solution = app.shown_values().click_solution();
+    solution.is_none_or(FrameSolution::residuals_are_evidence)
+}
+
 /// Describes the residual of a point.
 ///
 /// | point | text |
@@ -315,9 +337,7 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
     };
     match residual.distance_px() {
         None => Residual::quiet("out of view", palette),
-        Some(_) if solved.is_some_and(|solved| !solved.residuals_are_evidence()) => {
-            Residual::quiet("no evidence", palette)
-        }
+        Some(_) if !residuals_are_evidence(app) => Residual::quiet(NO_EVIDENCE, palette),
         Some(px) => Residual::distance(px, 3.0 * residual.sigma_px, palette),
     }
 }
@@ -336,12 +356,8 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     }
     if click.check {
         ui.label("Check point: left out of the solve, its error is shown.");
-    } else if app
-        .shown_values()
-        .click_solution()
-        .is_some_and(|solved| !solved.residuals_are_evidence())
-    {
-        ui.label("Two points can always be fitted, so their residual proves nothing.");
+    } else if !residuals_are_evidence(app) {
+        ui.label(WHY_NO_EVIDENCE);
     }
     let keys = &app.settings.keys;
     let key = keys.with_key(Command::RenameClick, |key| format!(" or press {key}"));

@@ -9,6 +9,8 @@ mod details;
 mod solution;
 mod verdict;
 
+pub use solution::focal_range_px;
+
 /// Shows the main button, for other panels.
 pub use accept::show as accept;
 

@@ -5,6 +5,7 @@ use crate::ui::controls::number::Number;
 use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self};
 use egui::{Align, Button, Layout, Ui};
+use std::ops::RangeInclusive;
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, pluralise};
@@ -135,7 +136,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                     // everywhere.
                     speed: ptz.focal_px / 500.0,
                     decimals: 1,
-                    range: focal_px(WIDEST_DEG, width_px)..=focal_px(NARROWEST_DEG, width_px),
+                    range: focal_range_px(width_px),
                     why: VIEWS,
                     suffix: " px",
                     width: field,
@@ -252,6 +253,11 @@ fn show_unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
 /// The horizontal field of view of a focal length, degrees. Without distortion.
 fn view_deg(focal_px: f64, width_px: f64) -> f64 {
     2.0 * (width_px / 2.0 / focal_px).atan().to_degrees()
+}
+
+/// The focal lengths that are accepted, px.
+pub fn focal_range_px(width_px: f64) -> RangeInclusive<f64> {
+    focal_px(WIDEST_DEG, width_px)..=focal_px(NARROWEST_DEG, width_px)
 }
 
 /// The focal length of a horizontal field of view in degrees, px. The inverse of [`view_deg`].

@@ -154,7 +154,7 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
             "Time of the video"
         };
         let text = format!(
-            "{time} to the right. Click to go to the frame, Ctrl and wheel or + and − to zoom, drag to move."
+            "{time} to the right. Click to go to the frame, drag its ringed point up or down to correct it, Ctrl and wheel or + and − to zoom, drag elsewhere to move."
         );
         theme::small_weak(ui, text);
         return;

@@ -2,7 +2,8 @@
 //!
 //! They share one time axis, of frame numbers or of the video's time in s, and one visible part of
 //! it (the span). All horizontal coordinates are in the unit of this axis; pan and tilt are in
-//! degrees, focal lengths in px. A click on a point shows its frame, and the wheel zooms the axis.
+//! degrees, focal lengths in px. A click on a point shows its frame, the wheel zooms the axis, and
+//! the shown frame's points can be dragged (`course_drag.rs`).
 
 use super::legend;
 use crate::ui::Panel;
@@ -43,11 +44,11 @@ const STRETCH: f64 = 2.5;
 
 /// The three plots, one above the other, over the same span of the time axis.
 pub(super) struct CoursePlots {
-    plots: [Plot; 3],
+    pub(super) plots: [Plot; 3],
     rulers: [Ruler; 3],
     rect: Rect,
-    response: Response,
-    span: [f64; 2],
+    pub(super) response: Response,
+    pub(super) span: [f64; 2],
 }
 
 impl CoursePlots {
@@ -105,12 +106,14 @@ impl CoursePlots {
         if ui.is_rect_visible(self.rect) {
             self.paint(panel, ui, course, under);
         }
-        self.read_pointer(panel, ui, under, whole);
+        if !self.drag_point(panel, ui, course) {
+            self.read_pointer(panel, ui, under, whole);
+        }
         under
     }
 
-    /// Draws the plots from back to front: levels, ends of shots, the shown frame, the curve,
-    /// rings, the point under the pointer.
+    /// Draws the plots from back to front: levels, ends of shots, the shown frame, ±1 σ, the
+    /// curve, rings, the shown frame's point, the point under the pointer.
     fn paint(&self, panel: &Panel<'_>, ui: &Ui, course: &Course, under: Option<&CoursePoint>) {
         let painter = ui.painter_at(self.rect);
         let shown = course
@@ -135,6 +138,7 @@ impl CoursePlots {
                     Stroke::new(1.0, ui.palette().weak),
                 );
             }
+            sigma_band(&painter, plot, course.within(self.span), quantity);
             imported_curve(&painter, plot, course.within(self.span), quantity);
             curve(&painter, plot, course.within(self.span), quantity);
             let out = course
@@ -146,6 +150,10 @@ impl CoursePlots {
                 let at = plot.at(point.at, point.value(quantity));
                 legend::mark(&painter, at, point.kind);
                 legend::ring(&painter, at);
+            }
+            if let Some(point) = self.handles(panel.app, course) {
+                let at = plot.at(point.at, point.value(quantity));
+                painter.circle_stroke(at, 5.0, Stroke::new(2.0, ui.palette().accent));
             }
             if let Some(point) = under {
                 let at = plot.at(point.at, point.value(quantity));
@@ -310,6 +318,29 @@ fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
     }
 }
 
+/// Draws ±1 σ around the curve, where the frames state it and are not too many to be told apart.
+fn sigma_band(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
+    if points.len() > (plot.area.width() / COLUMN) as usize {
+        return;
+    }
+    let colour = painter.palette().weak.gamma_multiply(0.25);
+    let ends = |point: &CoursePoint| {
+        let (value, sigma) = (point.value(quantity), point.sigma?[quantity as usize]);
+        Some([value + sigma, value - sigma].map(|value| plot.at(point.at, value)))
+    };
+    for pair in points
+        .windows(2)
+        .filter(|pair| pair[0].shot == pair[1].shot)
+    {
+        if let (Some([above, below]), Some([next_above, next_below])) =
+            (ends(&pair[0]), ends(&pair[1]))
+        {
+            let corners = vec![above, next_above, next_below, below];
+            painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
+        }
+    }
+}
+
 /// Draws the cameras that mended frames were imported with, as a thin line below the curve. Of very
 /// many, as many are drawn as the plot has columns.
 fn imported_curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
@@ -430,6 +461,7 @@ mod tests {
             frame: at as usize,
             at,
             values: [pan, 0.0, 1000.0],
+            sigma: None,
             imported: None,
             kind: PointKind::Suggested,
             shot: 0,

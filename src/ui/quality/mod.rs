@@ -5,7 +5,7 @@
 //!
 //! | card | file |
 //! |---|---|
-//! | pan, tilt and focal length over time | `course.rs`, `course_plots.rs` |
+//! | pan, tilt and focal length over time | `course.rs`, `course_plots.rs`, `course_drag.rs` |
 //! | errors of clicks; by landmark and line | `errors.rs`, `targets.rs` |
 //! | where frames look | `coverage.rs` |
 //! | the annotator's own click noise | `gold.rs`, `scatter.rs` |
@@ -15,6 +15,7 @@
 
 mod agreement;
 mod course;
+mod course_drag;
 mod course_plots;
 mod coverage;
 mod errors;

@@ -235,7 +235,7 @@ rows! {
     ZoomToClick, "zoom_to_click", View, Picture, Point, "Zoom to the point", "Show the selected point at 800 %.", ["Z"];
     HideOverlay, "hide_overlay", View, Picture, Frame, "Hide overlay (hold)", "Hide the overlay while the key is held.", ["H"];
     OverlayStyle, "overlay_style", View, Picture, Nothing, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
-    ShowCurves, "show_curves", View, Picture, Document, "Curves over time", "Show or hide pan, tilt and focal length over time below the picture; a click on a curve goes to the frame.", [];
+    ShowCurves, "show_curves", View, Picture, Document, "Curves over time", "Show or hide pan, tilt and focal length over time below the picture; a click on a curve goes to the frame, and the ringed point can be dragged.", [];
     ShowFieldMap, "show_field_map", View, Picture, Document, "Field map", "Show or hide the field map.", ["G"];
     Compare, "compare", View, Picture, Frame, "Compare (hold)", "Draw the other solution dashed while the key is held: the other focal length, the camera with other names, or a mended camera as it was imported.", ["B"];
     Uncertainty, "uncertainty", View, Picture, Frame, "Uncertainty", "How precise the lines are: a 1-σ band around them, a heat map, or nothing.", ["U"];

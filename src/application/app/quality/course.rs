@@ -79,6 +79,8 @@ pub struct CoursePoint {
     /// Pan and tilt in degrees, focal length in px of the frame. Pan is unwrapped, so that it does
     /// not jump at ±180°: see [`AngleRange::unwrap_angle`].
     pub values: [f64; 3],
+    /// 1-σ of the values, where the frame states it.
+    pub sigma: Option<[f64; 3]>,
     /// The same values of the camera that the frame was imported with, if mending replaced it.
     pub imported: Option<[f64; 3]>,
     /// The frame's status.
@@ -177,6 +179,7 @@ impl Course {
                     ptz.tilt_deg,
                     ptz.focal_px,
                 ],
+                sigma: sigma(frame),
                 imported: imported_values(document, frame, &seen),
                 kind,
                 shot: course.cuts.len(),
@@ -220,6 +223,12 @@ impl Course {
                 .map(|point| point.at),
         }
     }
+}
+
+/// 1-σ of pan, tilt and focal length.
+fn sigma(frame: &Frame) -> Option<[f64; 3]> {
+    let covariance = frame.solution.as_ref()?.covariance?;
+    Some(covariance.diagonal().map(f64::sqrt).into())
 }
 
 /// Pan, tilt and focal length of the camera that a frame was imported with: where it looks, on the

@@ -73,6 +73,7 @@ mod tests {
             frame,
             at: frame as f64,
             values: [(frame % 7) as f64, 0.0, 1000.0],
+            sigma: None,
             imported: None,
             kind: if frame.is_multiple_of(10) {
                 PointKind::Reference
