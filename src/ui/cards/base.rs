@@ -68,7 +68,12 @@ fn show_ways(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
 
 /// The tile that starts the search without a click, or says why there is none.
 fn find_tile(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
-    let is_video = panel.app.frame().is_some_and(|frame| frame.video.is_some());
+    let finds_all = panel.app.why_not(Command::FindCameras).is_none();
+    let command = if finds_all {
+        Command::FindCameras
+    } else {
+        Command::FindCamera
+    };
     let says = if missing.no_answer.is_some() {
         "Look again"
     } else {
@@ -82,10 +87,10 @@ fn find_tile(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
         } else {
             button
         };
-        ui.vertical_centered_justified(|ui| panel.command_button(ui, button, Command::FindCamera));
+        ui.vertical_centered_justified(|ui| panel.command_button(ui, button, command));
         let text = match missing.why_no_search {
             Some(why) => why,
-            None if is_video => "From the pictures, without a click. About four minutes.",
+            None if finds_all => "All cameras and frames, without a click. Some minutes.",
             None => "From the pictures, without a click. About a minute.",
         };
         note(ui, text);

@@ -324,17 +324,15 @@ fn sigma_band(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: 
         return;
     }
     let colour = painter.palette().weak.gamma_multiply(0.25);
-    let ends = |point: &CoursePoint| {
-        let (value, sigma) = (point.value(quantity), point.sigma?[quantity as usize]);
-        Some([value + sigma, value - sigma].map(|value| plot.at(point.at, value)))
-    };
     for pair in points
         .windows(2)
         .filter(|pair| pair[0].shot == pair[1].shot)
     {
-        if let (Some([above, below]), Some([next_above, next_below])) =
-            (ends(&pair[0]), ends(&pair[1]))
-        {
+        let ends = [&pair[0], &pair[1]].map(|point| {
+            let (value, sigma) = (point.value(quantity), point.sigma?[quantity as usize]);
+            Some([value + sigma, value - sigma].map(|value| plot.at(point.at, value)))
+        });
+        if let [Some([above, below]), Some([next_above, next_below])] = ends {
             let corners = vec![above, next_above, next_below, below];
             painter.add(Shape::convex_polygon(corners, colour, Stroke::NONE));
         }

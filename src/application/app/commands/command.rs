@@ -252,6 +252,13 @@ rows! {
     CompareAnnotators, "compare_annotators", View, Document, Frame, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
     FindCamera, "find_camera", Camera, Picture, Frame, "Find the camera automatically", "Find the camera's position and the cameras of its frames from the pictures alone, without a click. Results are given only where they are certain, as suggestions. One step of undo.", [];
     StopFindCamera, "stop_find_camera", Camera, Picture, Frame, "Stop finding the camera", "Stop the search for the camera, or dismiss the answers that it left to decide; nothing is changed.", [];
+    FindCameras, "find_cameras", Camera, Picture, Frame, "Find the cameras of this video",
+        "Find the cuts of the video, all its cameras, and the camera of every frame, without a \
+         click or from the clicks that there are. What is certain becomes suggestions. One step \
+         of undo.", [];
+    StopFindCameras, "stop_find_cameras", Camera, Picture, Frame, "Stop finding the cameras",
+        "Stop finding the cameras of the video; what was found until then is kept, and the same \
+         command goes on from there.", [];
     TryFirstCamera, "try_first_camera", Camera, Picture, Frame, "Try the first camera found", "Use the first of two cameras that explain the paint equally well. One step of undo.", [];
     TryOtherCamera, "try_other_camera", Camera, Picture, Frame, "Try the other camera found", "Use the other of two cameras that explain the paint equally well. One step of undo.", [];
     EstimateBase, "estimate_base", Camera, Picture, Frame, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];

@@ -35,6 +35,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::DiscardBatch => "remove delete proposals suggested reject all",
         C::RemoveModelPoints => "delete keypoints network predictions pre-labels",
         C::FindCamera => "automatic zero clicks",
+        C::FindCameras | C::StopFindCameras => "automatic match whole calibrate shots",
         C::Snap | C::SearchLines | C::SnapPoints | C::SnapSuggestions => {
             "refine lines paint register"
         }

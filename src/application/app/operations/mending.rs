@@ -5,11 +5,10 @@ use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use touchline_calibration::pipelines::{MendError, MendEvent, MendOptions, Mended, Tally, mend};
 use touchline_core::geometry::pluralise;
-use touchline_documents::document::{Camera, CameraId, Document, Frame, Step};
+use touchline_documents::document::Document;
 
 /// Fewer cameras have no place in common.
 const MIN_CAMERAS: usize = 3;
@@ -92,68 +91,6 @@ impl Operation for Mending {
     }
 }
 
-impl Mending {
-    /// The present document with the mended cameras. Frames whose camera, clicks or status changed
-    /// since the work began keep what they have now, with the base that their camera has now. None
-    /// if a camera or the field changed, for which the result is then not valid.
-    fn merge(&self, now: &Document, mended: &Document) -> Option<Document> {
-        let then = &self.document;
-        if now.cameras != then.cameras || now.field != then.field {
-            return None;
-        }
-        // Field and cameras come from the mending, as the frames of one camera may have been given
-        // to several. Frame by frame, the mended labels then replace those that are unchanged.
-        let mut merged = now.clone();
-        merged.field.clone_from(&mended.field);
-        merged.cameras.clone_from(&mended.cameras);
-        let mut kept = BTreeMap::new();
-        for index in 0..now.frames.len() {
-            let frame = &now.frames[index];
-            let mended = mended.frames.by_id(&frame.id);
-            let is_as_it_was = AsItWas { then, now }
-                .position_if_unchanged(&frame.id)
-                .is_some();
-            if let Some(mended) = mended.filter(|_| is_as_it_was) {
-                take_labels(&mut merged.frames[index], mended);
-                continue;
-            }
-            // A frame that the user changed keeps its camera. All such frames share one copy of it.
-            let id = frame.camera.clone();
-            let camera = kept
-                .entry(id.clone())
-                .or_insert_with(|| keep_camera(&mut merged, now.camera(&id)));
-            if let Some(camera) = camera {
-                merged.frames[index].camera.clone_from(camera);
-            }
-        }
-        Some(merged)
-    }
-}
-
-/// Gives a frame the camera of its mended version.
-fn take_labels(frame: &mut Frame, mended: &Frame) {
-    frame.camera.clone_from(&mended.camera);
-    frame.ptz.clone_from(&mended.ptz);
-    frame.lens.clone_from(&mended.lens);
-    frame.solution.clone_from(&mended.solution);
-    frame.status = mended.status;
-}
-
-/// Keeps a camera with its present base in a document whose cameras were mended, and returns its id
-/// there: its own, if the mending left it as it was or removed it.
-fn keep_camera(merged: &mut Document, camera: Option<&Camera>) -> Option<CameraId> {
-    let camera = camera?;
-    let id = match merged.camera(&camera.id) {
-        Some(mended) if mended == camera => camera.id.clone(),
-        Some(_) => merged.add_copy(camera),
-        None => {
-            merged.cameras.push(camera.clone().into());
-            camera.id.clone()
-        }
-    };
-    Some(id)
-}
-
 impl MendingProgress {
     fn from_event(event: &MendEvent) -> Self {
         let (step, share) = match event {
@@ -228,28 +165,17 @@ impl App {
         MendedDocument { document, mended }: MendedDocument,
     ) {
         let Some(open) = &self.open else { return };
-        let Some(merged) = mending.merge(&open.document, &document) else {
+        let (then, now) = (&mending.document, &open.document);
+        let Some(merged) = (AsItWas { then, now }).join(&document) else {
             let text = "A camera or the field changed in the meantime; the mended cameras were \
                         discarded.";
             self.session
                 .notify_with(Level::Info, text, [("Mend again", Command::MendCameras)]);
             return;
         };
-        if !self.begin_step(Step::on_document(STEP)) {
+        if !self.take_joined(STEP, merged) {
             return;
         }
-        if let Some(open) = &mut self.open {
-            let Document {
-                field,
-                cameras,
-                frames,
-                ..
-            } = merged;
-            let now = &mut open.document;
-            (now.field, now.cameras, now.frames) = (field, cameras, frames);
-        }
-        // The frames belong to their new cameras already: they must not be turned to them again.
-        self.close_step();
         let tally = mended.tally();
         let level = if tally.left > 0 {
             Level::Warning
@@ -310,7 +236,9 @@ mod tests {
     use touchline_calibration::pipelines::{GivenCamera, MendedFrame, Outcome};
     use touchline_core::geometry::ImageSize;
     use touchline_core::testing::base_at;
-    use touchline_documents::document::{Clip, FrameStatus, SolutionSource};
+    use touchline_documents::document::{
+        Camera, CameraId, Clip, Frame, FrameStatus, SolutionSource,
+    };
     use touchline_documents::testing::{answered_by, ptz_at, soccer_document, solved_by};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);

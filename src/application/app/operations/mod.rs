@@ -28,7 +28,7 @@ pub use base_estimate::BaseEstimate;
 pub use base_refinement::BaseRefinement;
 pub use bulk_solve::BulkSolving;
 pub use burnt_in::BurntInSearch;
-pub use camera_search::{CameraSearch, describe_found};
+pub use camera_search::{CameraSearch, LabelledDocument, MatchLabelling, describe_found};
 pub use camera_watch::CameraWatch;
 pub use clip_tracking::ClipTracking;
 pub use comparison::{Comparison, ComparisonResult};
@@ -48,7 +48,7 @@ use base_estimate::BaseEstimateState;
 use base_refinement::BaseRefinementState;
 use bulk_solve::BulkSolveState;
 use burnt_in::BurntInState;
-use camera_search::CameraSearchState;
+use camera_search::{CameraSearchState, MatchLabellingState};
 use camera_watch::CameraWatchState;
 use clip_tracking::ClipTrackingState;
 use comparison::ComparisonState;
@@ -62,7 +62,7 @@ use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
 use std::sync::Arc;
 use touchline_calibration::calibrate::EstimatedBase;
-use touchline_documents::document::Frame;
+use touchline_documents::document::{Document, Frame, Step};
 use transfer::TransferState;
 
 /// The state of each operation on the open document. Opening another document replaces this value,
@@ -87,6 +87,8 @@ pub struct Operations {
     pub comparison: ComparisonState,
     /// The alignment of frames to their painted lines.
     pub frame_snap: FrameSnapState,
+    /// The search for all cameras of a video.
+    pub(in crate::app) match_labelling: MatchLabellingState,
     /// The mending of imported cameras.
     pub(in crate::app) mending: MendingState,
     /// The search for images that came to the folders of the document.
@@ -145,6 +147,7 @@ impl Operations {
         [
             self.bulk_solve.under_way(),
             self.camera_search.under_way(),
+            self.match_labelling.under_way(),
             self.base_estimate.under_way(),
             self.base_refinement.under_way(),
             self.clip_tracking.under_way(),
@@ -163,7 +166,9 @@ impl Operations {
 
     /// Whether a camera or a base is being looked for, or an estimated one waits for a decision.
     pub(super) const fn is_base_open(&self) -> bool {
-        self.base_estimate.is_open() || self.camera_search.is_running()
+        self.base_estimate.is_open()
+            || self.camera_search.is_running()
+            || self.match_labelling.is_running()
     }
 
     /// The running work that will give a frame its camera: what it does, and which frames it
@@ -173,6 +178,12 @@ impl Operations {
         if let Some(search) = search.filter(|search| search.camera == frame.camera) {
             let answers = |frame: &Frame| frame.camera == search.camera;
             return Some(("Finding the camera", Box::new(answers)));
+        }
+        if self.match_labelling.answers(frame) {
+            return Some((
+                "Finding the cameras",
+                Box::new(|frame: &Frame| self.match_labelling.answers(frame)),
+            ));
         }
         if self.mending.is_running() && frame.has_imported_camera() {
             return Some(("Mending the cameras", Box::new(Frame::has_imported_camera)));
@@ -221,6 +232,7 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.why_not_camera_search(command)
             }
+            C::FindCameras | C::StopFindCameras => self.why_not_match_labelling(command),
             C::Track
             | C::DiscardTracked
             | C::StopTracking
@@ -250,6 +262,7 @@ impl App {
             C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
                 self.camera_search_command(command);
             }
+            C::FindCameras | C::StopFindCameras => self.match_labelling_command(command),
             C::Track
             | C::DiscardTracked
             | C::StopTracking
@@ -264,6 +277,28 @@ impl App {
             C::FindShots | C::StopShotSearch => self.shot_search_command(command),
             _ => {}
         }
+    }
+
+    /// Makes a document that was joined with a result the present one, as one step of undo. Returns
+    /// false, with a message, if no step can begin.
+    fn take_joined(&mut self, step: &'static str, joined: Document) -> bool {
+        if !self.begin_step(Step::on_document(step)) {
+            return false;
+        }
+        if let Some(open) = &mut self.open {
+            let Document {
+                field,
+                cameras,
+                frames,
+                shots,
+                ..
+            } = joined;
+            let now = &mut open.document;
+            (now.field, now.cameras, now.frames, now.shots) = (field, cameras, frames, shots);
+        }
+        // The frames belong to their new cameras already: they must not be turned to them again.
+        self.close_step();
+        true
     }
 
     /// Starts the operations that run once on a document that was just opened.

@@ -347,6 +347,8 @@ impl App {
             | C::ChangeBurntIn
             | C::FindCamera
             | C::StopFindCamera
+            | C::FindCameras
+            | C::StopFindCameras
             | C::TryFirstCamera
             | C::TryOtherCamera
             | C::Track

@@ -2,12 +2,16 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use touchline_application::testing::base;
 use touchline_core::camera::{BaseAngles, FocalCurve, Ptz};
 use touchline_core::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline_documents::document::{
-    Click, ClickOrigin, Document, FramePtz, FrameStatus, ShotKind, SolutionSource, VideoShots,
+    Camera, Click, ClickOrigin, Document, FramePtz, FrameStatus, ShotKind, SolutionSource,
+    VideoShots,
 };
-use touchline_documents::testing::{WithFrames, a_match, answered_by, load, new_video_frame};
+use touchline_documents::testing::{
+    WithFrames, a_match, answered_by, load, new_video_frame, ptz_at,
+};
 
 fn demo_folder() -> PathBuf {
     let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../projects/demo");
@@ -176,5 +180,38 @@ pub fn video() -> Document {
     let mut document = a_match(size).with_frames(frames);
     let cuts = [(10, ShotKind::Cut), (20, ShotKind::Fade)];
     VideoShots::from_cuts(&document, "match.mp4", 29, &cuts).write(&mut document);
+    document
+}
+
+/// The same before anything is known of it.
+pub fn film() -> Document {
+    let size = ImageSize::new(64, 36);
+    let frames = (0..30).map(|index| new_video_frame("match.mp4", index, size));
+    let mut document = a_match(size).with_frames(frames);
+    (
+        document.cameras[0].position_m,
+        document.cameras[0].base_from_world,
+    ) = (None, None);
+    document
+}
+
+/// The same with a cut, and a camera on either side of it.
+pub fn labelled_film() -> Document {
+    let mut document = film();
+    let cuts = [(15, ShotKind::Cut)];
+    VideoShots::from_cuts(&document, "match.mp4", 29, &cuts).write(&mut document);
+    document.cameras[0].set_base(&base());
+    let mut other = Camera::clone(&document.cameras[0]);
+    other.id = "main_2".into();
+    document.cameras.push(other.into());
+    for index in 0..30 {
+        let frame = &mut document.frames[index];
+        if index >= 15 {
+            frame.camera = "main_2".into();
+        }
+        frame.ptz = ptz_at(0.5 * index as f64, -12.0, 80.0);
+        frame.status = FrameStatus::Suggested;
+        frame.solution = answered_by(SolutionSource::Tracking, Some(0.97));
+    }
     document
 }

@@ -1,7 +1,8 @@
 //! What a person does while work goes on in the background stays when its result comes.
 
-use super::documents::{demo, displaced, imported, turned, unseen, video};
+use super::documents::{demo, displaced, film, imported, turned, unseen, video};
 use super::scene::{Known, Scene};
+use super::table::label_film;
 use crate::find_camera_in_app::{found_camera, unknown};
 use touchline_application::app::operations::{
     BaseRefinement, CameraSearch, ClipTracking, FoundShots, FrameSnap, Mending, ShotSearch,
@@ -24,7 +25,7 @@ struct Work {
     end: fn(&mut Scene, &mut Known),
 }
 
-const WORK: [Work; 7] = [
+const WORK: [Work; 8] = [
     Work {
         command: Command::Track,
         document: || few(demo()),
@@ -57,6 +58,11 @@ const WORK: [Work; 7] = [
             let found = found_camera(5, 0.0).into();
             scene.report::<CameraSearch>(AutocalibrationAnswer::Found(found));
         },
+    },
+    Work {
+        command: Command::FindCameras,
+        document: film,
+        end: |scene, _| label_film(scene),
     },
     Work {
         command: Command::FindShots,

@@ -1,7 +1,8 @@
 //! What each command does to a document. A new command does not compile without its line here.
 
 use super::documents::{
-    blank, demo, displaced, drafts, imported, pointed, suggested, turned, two_roots, unseen, video,
+    blank, demo, displaced, drafts, film, imported, labelled_film, pointed, suggested, turned,
+    two_roots, unseen, video,
 };
 use super::scene::Scene;
 use crate::burnt_in_in_app::found_mask;
@@ -9,7 +10,8 @@ use crate::clicking::names_in_app;
 use crate::find_camera_in_app::{found_camera, two_cameras, unknown};
 use crate::which_camera;
 use touchline_application::app::operations::{
-    BurntInSearch, CameraSearch, ClipTracking, FoundShots, ShotSearch,
+    BurntInSearch, CameraSearch, ClipTracking, FoundShots, LabelledDocument, MatchLabelling,
+    ShotSearch,
 };
 use touchline_application::app::selection::Scope;
 use touchline_application::app::transfer::TransferAction;
@@ -18,6 +20,7 @@ use touchline_application::app::{
 };
 use touchline_calibration::autocalibrate::AutocalibrationAnswer;
 use touchline_calibration::calibrate::{LengthOnLines, TrackedClip};
+use touchline_calibration::pipelines::{LabelledMatch, MatchLabels};
 use touchline_core::camera::SizeError;
 use touchline_core::geometry::{ImagePoint, Vec2, Vec3};
 use touchline_core::solve::base::FittedSize;
@@ -96,6 +99,20 @@ fn estimate(scene: &mut Scene) {
 fn find_two(scene: &mut Scene) {
     scene.command(Command::FindCamera);
     scene.report::<CameraSearch>(two_cameras());
+}
+
+/// The search for the cameras of a video ends.
+pub fn label_film(scene: &mut Scene) {
+    let labels = MatchLabels::Labelled(LabelledMatch {
+        cameras: Vec::new(),
+        answered: 30,
+        unanswered: 0,
+        is_stopped: false,
+    });
+    scene.report::<MatchLabelling>(LabelledDocument {
+        document: labelled_film(),
+        labels,
+    });
 }
 
 /// The lines of a tracked clip show another length than the assumed one.
@@ -344,6 +361,10 @@ pub fn plan(command: Command) -> Plan {
             let found = found_camera(5, 0.0).into();
             scene.report::<CameraSearch>(AutocalibrationAnswer::Found(found));
         }),
+        C::FindCameras => change(film, nothing, |scene| {
+            scene.command(C::FindCameras);
+            label_film(scene);
+        }),
         C::TryFirstCamera => change(of_five, find_two, |scene| scene.command(C::TryFirstCamera)),
         C::TryOtherCamera => change(of_five, find_two, |scene| scene.command(C::TryOtherCamera)),
         C::UseEstimatedBase => works(displaced, estimate, |scene| scene.command(C::UseEstimatedBase)),
@@ -469,6 +490,7 @@ pub fn plan(command: Command) -> Plan {
         | C::Gallery
         | C::QualityPage
         | C::StopFindCamera
+        | C::StopFindCameras
         // Their result waits for “Use the estimated base”.
         | C::EstimateBase
         | C::FitFieldSize

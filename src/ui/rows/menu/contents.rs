@@ -139,6 +139,8 @@ const SUBMENUS: [(&str, &[Command]); 14] = [
     (
         "Find without a click",
         &[
+            Command::FindCameras,
+            Command::StopFindCameras,
             Command::FindCamera,
             Command::StopFindCamera,
             Command::TryFirstCamera,

@@ -4,6 +4,7 @@
 //! cameras that explain the paint about equally well, between which the user or one further click
 //! decides; or an abstention, with the reason and a remedy.
 
+mod match_labelling;
 mod two_cameras;
 mod words;
 
@@ -11,6 +12,8 @@ use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::{Dialog, Level};
 use crate::app::{App, Command, sentence};
+pub(in crate::app) use match_labelling::MatchLabellingState;
+pub use match_labelling::{LabelledDocument, MatchLabelling};
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
@@ -204,7 +207,9 @@ impl App {
         if cfg!(not(feature = "opencv")) {
             return Some("This program was built without OpenCV and cannot find features.");
         }
-        if self.operations.camera_search.slot.is_running() {
+        if self.operations.camera_search.slot.is_running()
+            || self.operations.match_labelling.is_running()
+        {
             return Some("A search for the camera is running.");
         }
         if self.current.base.is_some() {
