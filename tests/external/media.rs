@@ -163,7 +163,7 @@ fn assert_numbers_hold_in(mut video: Video, backend: VideoBackend, random_frames
     let mut order: Vec<usize> = (0..count.min(8)).chain([count - 1, count - 1, 0]).collect();
     order.extend((count.saturating_sub(6)..count).rev());
     order.extend((0..random_frames).map(|_| random.random_range(0..count)));
-    order.extend((count / 2..(count / 2 + 60).min(count)).step_by(7).rev());
+    order.extend((count / 2..(count / 2 + 60).min(count)).step_by(14).rev());
     for index in order {
         assert_eq!(
             frame(&mut video, index),
@@ -216,7 +216,7 @@ fn a_number_means_one_picture_in_every_container() {
         ("one.mp4", "-c:v libx264 -frames:v 1"),
     ] {
         ffmpeg(folder.path(), &format!("{CARD} {how} {name}"));
-        let video = assert_numbers_hold(&folder.path().join(name), 12);
+        let video = assert_numbers_hold(&folder.path().join(name), 5);
         // A programme stream states no count, only a duration that is not exact.
         let notices = video.info().notices.iter();
         let others = notices.filter(|notice| {
@@ -300,7 +300,7 @@ fn a_number_means_one_picture_however_the_file_was_made() {
     ];
     for (name, how, count) in table {
         ffmpeg(folder.path(), &format!("{how} {name}"));
-        let video = assert_numbers_hold(&folder.path().join(name), 12);
+        let video = assert_numbers_hold(&folder.path().join(name), 5);
         assert_eq!(video.info().decoded_frames, count, "{name}");
         let spacing = video.info().pts_s(11).unwrap() - video.info().pts_s(10).unwrap();
         assert!(
@@ -329,7 +329,7 @@ fn uneven_frames_are_numbered_as_they_decode() {
         ("wavering.mkv", wavering, 150),
     ] {
         ffmpeg(folder.path(), &format!("{CARD} {how} {name}"));
-        let video = assert_numbers_hold(&folder.path().join(name), 12);
+        let video = assert_numbers_hold(&folder.path().join(name), 5);
         assert_eq!(video.info().decoded_frames, count, "{name}");
         assert!(
             matches!(video.info().clock, FrameClock::Listed(_)),
@@ -363,7 +363,7 @@ fn one_frame_left_out_of_thousands_does_not_shift_those_behind_it() {
             folder.path(),
             &format!("{card} -vf select='not(eq(n,2000))' -vsync vfr -c:v libx264 -g 50 {name}"),
         );
-        let video = assert_numbers_hold(&folder.path().join(name), 12);
+        let video = assert_numbers_hold(&folder.path().join(name), 5);
         let at = |index| video.info().pts_s(index).unwrap();
         assert_eq!(video.info().decoded_frames, 2999, "{name}");
         assert!(

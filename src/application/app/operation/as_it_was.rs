@@ -94,7 +94,7 @@ impl AsItWas<'_> {
     }
 
     /// Whether every camera is still there and as it was, but for its masks. Others may have come.
-    fn has_cameras(self) -> bool {
+    pub fn has_cameras(self) -> bool {
         self.then.cameras.iter().all(|then| {
             let now = self.now.camera(&then.id);
             now.is_some_and(|now| without_masks(now) == without_masks(then))

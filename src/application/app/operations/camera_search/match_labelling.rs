@@ -30,8 +30,11 @@ const STEP: &str = "Find the cameras of the video";
 /// Finds the cameras of a video, and labels its frames.
 #[derive(Debug)]
 pub struct MatchLabelling {
-    /// The document when the work started.
+    /// The document from which the work starts.
     document: Document,
+    /// The document whose labels the result replaces: the same, or what was found until the work
+    /// was stopped before.
+    replaces: Document,
     /// Its file: finished parts are kept beside it.
     file: PathBuf,
     /// The folder to which its relative paths refer.
@@ -55,6 +58,17 @@ pub struct LabelledDocument {
 #[derive(Debug, Default)]
 pub(in crate::app) struct MatchLabellingState {
     slot: Slot<MatchLabelling>,
+    stopped: Option<StoppedLabelling>,
+}
+
+/// Work that the user has stopped, with which the command goes on.
+#[derive(Debug)]
+struct StoppedLabelling {
+    /// The document from which it started, and the camera that was searched.
+    document: Document,
+    camera: CameraId,
+    /// The document with what was found.
+    with_found: Document,
 }
 
 /// A step of the work, and how far it has come.
@@ -114,7 +128,7 @@ impl Operation for MatchLabelling {
     fn take_over(&self, app: &mut App, result: Result<LabelledDocument, Failure<LabelMatchError>>) {
         match result {
             Ok(LabelledDocument { document, labels }) => match labels {
-                MatchLabels::Labelled(labelled) => app.take_labelled(self, document, &labelled),
+                MatchLabels::Labelled(labelled) => app.take_labelled(self, &document, &labelled),
                 MatchLabels::NoCamera(why) => self.report_no_camera(app, document, why),
             },
             Err(Failure::Failed(LabelMatchError::Search(AutocalibrationError::Stopped))) => {
@@ -217,6 +231,7 @@ impl App {
             return (!is_running).then_some("No cameras are being found.");
         }
         let (open, frame) = (self.open.as_ref()?, self.frame()?);
+        let goes_on = self.stopped_labelling().is_some();
         if self.is_read_only() {
             return Some("The document is read-only.");
         }
@@ -231,10 +246,11 @@ impl App {
         }
         let document = &open.document;
         let mut frames = document.frames.iter();
-        if frames.any(|other| other.camera != frame.camera) {
+        if !goes_on && frames.any(|other| other.camera != frame.camera) {
             return Some("Its frames have several cameras: find them one by one.");
         }
-        if document.camera_of(frame).and_then(Camera::base).is_some() {
+        let base = document.camera_of(frame).and_then(Camera::base);
+        if !goes_on && base.is_some() {
             return Some("This camera has a base already: track the cameras through its shots.");
         }
         why_no_search_of_sport(document, &frame.camera)
@@ -256,18 +272,36 @@ impl App {
         }
     }
 
+    /// The stopped work with which the command goes on: its cameras are still those of the
+    /// document.
+    fn stopped_labelling(&self) -> Option<&StoppedLabelling> {
+        let now = &self.open.as_ref()?.document;
+        let stopped = self.operations.match_labelling.stopped.as_ref()?;
+        let then = &stopped.with_found;
+        AsItWas { then, now }.has_cameras().then_some(stopped)
+    }
+
     fn label_match(&mut self) {
         self.commit_open_step();
         let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
             return;
         };
-        let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        let file = open.file.clone();
+        let now = (*open.document).clone();
+        let (document, camera, replaces) = match self.stopped_labelling() {
+            Some(StoppedLabelling {
+                document,
+                camera,
+                with_found,
+            }) => (document.clone(), camera.clone(), with_found.clone()),
+            None => (now.clone(), camera, now),
+        };
+        let (file, folder) = (open.file.clone(), open.folder.clone());
         self.operations.camera_search.left = SearchFollowUp::Nothing;
         // It looks for the cuts itself.
         self.operation_command(Command::StopShotSearch);
         self.start(MatchLabelling {
             document,
+            replaces,
             file,
             folder,
             camera,
@@ -279,24 +313,31 @@ impl App {
     fn take_labelled(
         &mut self,
         work: &MatchLabelling,
-        document: Document,
+        document: &Document,
         labelled: &LabelledMatch,
     ) {
         let Some(open) = &self.open else { return };
-        let (then, now) = (&work.document, &open.document);
-        let Some(joined) = (AsItWas { then, now }).join(&document) else {
+        let (then, now) = (&work.replaces, &open.document);
+        let Some(joined) = (AsItWas { then, now }).join(document) else {
             let text = "A camera or the field changed in the meantime; the cameras that were found \
                         were discarded.";
             let offers = [("Find them again", Command::FindCameras)];
             return self.session.notify_with(Level::Info, text, offers);
         };
         let text = describe_labelled(&joined, labelled);
+        let stopped = labelled.is_stopped.then(|| StoppedLabelling {
+            document: work.document.clone(),
+            camera: work.camera.clone(),
+            with_found: joined.clone(),
+        });
         if !self.take_joined(STEP, joined) {
             return;
         }
-        self.operations.camera_search.found = labelled.cameras.first().map(|found| {
+        self.operations.match_labelling.stopped = stopped;
+        self.operations.camera_search.found = labelled.cameras.first().and_then(|found| {
+            let camera = &document.frames[found.frames.first()?.index].camera;
             let found = (**found).clone();
-            Arc::new(FoundCamera::new(&document, &work.camera, found))
+            Some(Arc::new(FoundCamera::new(document, camera, found)))
         });
         for command in [
             Command::FindCameras,
@@ -366,7 +407,8 @@ mod tests {
     use super::*;
     use crate::app::Action;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::testing::{WithFrames, new_video_frame, soccer_document};
+    use touchline_core::testing::base_at;
+    use touchline_documents::testing::{WithFrames, new_video_frame, ptz_at, soccer_document};
 
     const SIZE: ImageSize = ImageSize::new(64, 36);
 
@@ -388,6 +430,7 @@ mod tests {
         let running = app.operations.match_labelling.slot.running().unwrap();
         assert_eq!(running.operation().document, document);
         Arc::new(MatchLabelling {
+            replaces: document.clone(),
             document,
             file: PathBuf::new(),
             folder: PathBuf::new(),
@@ -412,7 +455,7 @@ mod tests {
         assert_eq!(card.step, "Ending");
 
         let mut document = work.document.clone();
-        document.frames[2].ptz = touchline_documents::testing::ptz_at(1.0, -12.0, 80.0);
+        document.frames[2].ptz = ptz_at(1.0, -12.0, 80.0);
         let labelled = LabelledMatch {
             cameras: Vec::new(),
             answered: 1,
@@ -420,9 +463,24 @@ mod tests {
             is_stopped: true,
         };
         let labels = MatchLabels::Labelled(labelled);
+        document.cameras[0].set_base(&base_at([1.0, -62.0, 17.0], SIZE));
+        app.operations.match_labelling.slot.cancel();
         work.take_over(&mut app, Ok(LabelledDocument { document, labels }));
-        assert!(app.open().unwrap().document.frames[2].ptz.is_some());
+        let found = (*app.open().unwrap().document).clone();
+        assert!(found.frames[2].ptz.is_some());
         assert!(last_notice(&app).starts_with("Stopped; the same command goes on from here."));
+
+        // It starts from where it did, and replaces what it found; not after that was undone.
+        assert_eq!(app.why_not(Command::FindCameras), None);
+        app.update(Action::Command(Command::FindCameras));
+        let running = app.operations.match_labelling.slot.running().unwrap();
+        assert_eq!(running.operation().document, work.document);
+        assert_eq!(running.operation().replaces, found);
+        app.operations.match_labelling.slot.cancel();
+        app.update(Action::Command(Command::Undo));
+        app.update(Action::Command(Command::FindCameras));
+        let running = app.operations.match_labelling.slot.running().unwrap();
+        assert_eq!(running.operation().replaces, work.document);
     }
 
     #[test]
