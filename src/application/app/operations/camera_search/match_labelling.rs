@@ -325,15 +325,15 @@ impl App {
             return self.session.notify_with(Level::Info, text, offers);
         };
         let text = describe_labelled(&joined, labelled);
-        let stopped = labelled.is_stopped.then(|| StoppedLabelling {
-            document: work.document.clone(),
-            camera: work.camera.clone(),
-            with_found: joined.clone(),
-        });
         if !self.take_joined(STEP, joined) {
             return;
         }
-        self.operations.match_labelling.stopped = stopped;
+        let stopped = self.open.as_ref().filter(|_| labelled.is_stopped);
+        self.operations.match_labelling.stopped = stopped.map(|open| StoppedLabelling {
+            document: work.document.clone(),
+            camera: work.camera.clone(),
+            with_found: (*open.document).clone(),
+        });
         self.operations.camera_search.found = labelled.cameras.first().and_then(|found| {
             let camera = &document.frames[found.frames.first()?.index].camera;
             let found = (**found).clone();
@@ -480,7 +480,7 @@ mod tests {
         app.update(Action::Command(Command::Undo));
         app.update(Action::Command(Command::FindCameras));
         let running = app.operations.match_labelling.slot.running().unwrap();
-        assert_eq!(running.operation().replaces, work.document);
+        assert!(running.operation().replaces.frames[2].ptz.is_none());
     }
 
     #[test]
