@@ -49,10 +49,14 @@ impl AsItWas<'_> {
     }
 
     /// The present document with cameras, fields, shots and labels of a result, which was made from
-    /// the earlier one. Frames whose camera, clicks or status changed since keep what they have
-    /// now, with the base that their camera has now; masks of cameras are those of now, too. None
-    /// if a camera or the field changed, for which the result is then not valid.
-    pub fn join(self, result: &Document) -> Option<Document> {
+    /// the earlier one. Frames that are not at a `position` any more keep what they have now, with
+    /// the base that their camera has now; masks of cameras are those of now, too. None if a camera
+    /// or the field changed, for which the result is then not valid.
+    pub fn join(
+        self,
+        result: &Document,
+        position: fn(Self, &FrameId) -> Option<usize>,
+    ) -> Option<Document> {
         let Self { then, now } = self;
         if now.field != then.field || !self.has_cameras() {
             return None;
@@ -76,7 +80,7 @@ impl AsItWas<'_> {
             if let Some(result) = result.filter(|_| takes_shots) {
                 joined.frames[index].clip.clone_from(&result.clip);
             }
-            let is_as_it_was = self.position_if_unchanged(&frame.id).is_some();
+            let is_as_it_was = position(self, &frame.id).is_some();
             if let Some(result) = result.filter(|_| is_as_it_was) {
                 take_labels(&mut joined.frames[index], result);
                 continue;
@@ -195,7 +199,7 @@ mod tests {
             then: &then,
             now: &now,
         };
-        let joined = pair.join(&result).unwrap();
+        let joined = pair.join(&result, AsItWas::position_if_untouched).unwrap();
         assert_eq!(joined.cameras.len(), 2);
         assert!(
             joined
@@ -209,7 +213,10 @@ mod tests {
             then: &then,
             now: &now,
         };
-        assert!(pair.join(&result).is_none(), "another camera by now");
+        assert!(
+            pair.join(&result, AsItWas::position_if_untouched).is_none(),
+            "another camera by now"
+        );
     }
 
     #[test]

@@ -166,7 +166,8 @@ impl App {
     ) {
         let Some(open) = &self.open else { return };
         let (then, now) = (&mending.document, &open.document);
-        let Some(merged) = (AsItWas { then, now }).join(&document) else {
+        let Some(merged) = (AsItWas { then, now }).join(&document, AsItWas::position_if_unchanged)
+        else {
             let text = "A camera or the field changed in the meantime; the mended cameras were \
                         discarded.";
             self.session

@@ -318,7 +318,9 @@ impl App {
     ) {
         let Some(open) = &self.open else { return };
         let (then, now) = (&work.replaces, &open.document);
-        let Some(joined) = (AsItWas { then, now }).join(document) else {
+        // What the forest suggested meanwhile is replaced.
+        let Some(joined) = (AsItWas { then, now }).join(document, AsItWas::position_if_untouched)
+        else {
             let text = "A camera or the field changed in the meantime; the cameras that were found \
                         were discarded.";
             let offers = [("Find them again", Command::FindCameras)];
@@ -347,7 +349,12 @@ impl App {
             self.session.retract(command);
         }
         self.report_assumed_size();
-        let offers = [("Review", Command::ReviewPanel), ("Undo", Command::Undo)];
+        let next = if labelled.is_stopped {
+            ("Go on", Command::FindCameras)
+        } else {
+            ("Review", Command::ReviewPanel)
+        };
+        let offers = [next, ("Undo", Command::Undo)];
         self.session.notify_with(Level::Info, text, offers);
     }
 }
@@ -469,6 +476,7 @@ mod tests {
         let found = (*app.open().unwrap().document).clone();
         assert!(found.frames[2].ptz.is_some());
         assert!(last_notice(&app).starts_with("Stopped; the same command goes on from here."));
+        assert!(app.session.offers(Command::FindCameras));
 
         // It starts from where it did, and replaces what it found; not after that was undone.
         assert_eq!(app.why_not(Command::FindCameras), None);
