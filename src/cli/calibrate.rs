@@ -354,7 +354,7 @@ fn panorama_png(document: &Document, found: &AutocalibratedCamera) -> anyhow::Re
         .collect();
     let scene = PaintMapScene {
         base: &found.base,
-        field: &found.field,
+        field: Some(&found.field),
         frames: &frames,
         paint: &found.paint,
     };

@@ -47,12 +47,10 @@ impl App {
         }
         let status = &self.session.trainer.status;
         status.left.filter(|left| *left >= TRAINING_SHOWN)?;
-        Some(UnderWay {
-            job: "Training and proposing".to_owned(),
-            step: status.doing.describe(),
-            share: Some(status.doing.share()?.fraction()),
-            stop: Command::PauseTrainer,
-        })
+        let share = status.doing.share()?.fraction();
+        let step = status.doing.describe();
+        let job = "Training and proposing";
+        Some(UnderWay::new(job, step, Command::PauseTrainer).with_share(Some(share)))
     }
 
     /// What is missing for a base of the shown frame's camera. None if it has one, or if one is

@@ -11,8 +11,9 @@ use touchline_vision::media::Picture;
 #[derive(Clone, Copy, Debug)]
 pub struct PaintMapScene<'a> {
     pub base: &'a CameraBase,
-    /// The field, with the size and crown that autocalibration found.
-    pub field: &'a FieldModel,
+    /// The field, with the size and crown that autocalibration found; none during a search that
+    /// has not placed it yet.
+    pub field: Option<&'a FieldModel>,
     /// Pan, tilt and focal length of each frame, and the size of its picture.
     pub frames: &'a [(Ptz, ImageSize)],
     /// Directions of persistent paint.
@@ -206,13 +207,16 @@ fn pixel_at(at: ImagePoint) -> Option<(usize, usize)> {
 pub fn line_pieces(scene: &PaintMapScene<'_>, frame: &PaintMapFrame) -> Vec<Vec<ImagePoint>> {
     const SPACING_M: f64 = 0.1;
     let mut pieces = Vec::new();
-    for line in scene.field.lines.iter().filter(|line| line.painted) {
+    let Some(field) = scene.field else {
+        return pieces;
+    };
+    for line in field.lines.iter().filter(|line| line.painted) {
         let count = (line.paint_centre.length_m() / SPACING_M).ceil().max(1.0);
         let mut piece = Vec::new();
         for step in 0..=count as usize {
             let mut at = line.paint_centre.point_at(step as f64 / count);
             // The paint lies on the crowned ground. The map shows rays, so no lens is involved.
-            at.z = scene.field.ground_z(at.y);
+            at.z = field.ground_z(at.y);
             let at = frame.map_from_ray(PanTilt::from_direction(
                 scene.base.base_from_world_point(at),
             ));
@@ -249,7 +253,7 @@ mod tests {
             let paint = [PanTilt::from_degrees(turned, -15.0)];
             let scene = PaintMapScene {
                 base: &base,
-                field: &field,
+                field: Some(&field),
                 frames: &frames,
                 paint: &paint,
             };
@@ -285,7 +289,7 @@ mod tests {
         let frames = [0.0, -100.0, 100.0].map(|pan| (Ptz::from_degrees(pan, -13.0, 1400.0), SIZE));
         let scene = PaintMapScene {
             base: &base,
-            field: &field,
+            field: Some(&field),
             frames: &frames,
             paint: &[],
         };
@@ -308,7 +312,7 @@ mod tests {
         assert!(
             PaintMapFrame::from_scene(&PaintMapScene {
                 base: &base,
-                field: &field,
+                field: Some(&field),
                 frames: &[],
                 paint: &[]
             })

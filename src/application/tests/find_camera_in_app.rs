@@ -6,7 +6,7 @@ use crate::bench::Bench;
 use touchline_application::app::guidance::next_step;
 use touchline_application::app::operation::{Breakdown, Failure};
 use touchline_application::app::operations::CameraSearch;
-use touchline_application::app::operations::camera_search::SearchFollowUp;
+use touchline_application::app::operations::camera_search::{SearchFollowUp, SearchSteps};
 use touchline_application::app::session::{Dialog, Level, SidePanel};
 use touchline_application::app::{Action, App, Command, EditAction, Navigation, PointerAction};
 use touchline_application::testing::proposed::blank;
@@ -115,7 +115,9 @@ fn it_is_available_where_a_base_is_missing_and_reports_its_progress() {
         bench.app.why_not(Command::FindCamera).is_some(),
         "one at a time"
     );
-    bench.report_progress::<CameraSearch>(AutocalibrationProgress::Tying { done: 212, of: 480 });
+    let steps = SearchSteps::default();
+    let matching = AutocalibrationProgress::Tying { done: 212, of: 480 };
+    bench.report_progress::<CameraSearch>(steps.of_search(&matching));
     let card = &bench.app.under_way()[0];
     assert_eq!(
         (card.job.as_str(), card.step.as_str()),

@@ -88,6 +88,6 @@ pub use camera::{camera_without_clicks, find_camera};
 pub use doubt::Doubt;
 pub use error::{Abstention, AutocalibrationError};
 pub use frames::sampled_frames::PictureOfFrame;
-pub use progress::AutocalibrationProgress;
+pub use progress::{AutocalibrationProgress, SearchedPanorama};
 #[doc(hidden)]
 pub use search::places::is_court;

@@ -2,11 +2,14 @@
 
 use crate::autocalibrate::AutocalibrationError;
 use std::fmt;
-use touchline_core::geometry::thousands;
+use std::sync::Arc;
+use touchline_core::camera::{CameraBase, PanTilt, Ptz};
+use touchline_core::field::FieldModel;
+use touchline_core::geometry::{ImageSize, thousands};
 use touchline_core::progress::Progress;
 
 /// Progress of the search. `Display` shows it as text: "matching pairs of frames, 212 of 480".
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum AutocalibrationProgress {
     /// Frames are sampled.
     Looking {
@@ -40,6 +43,8 @@ pub enum AutocalibrationProgress {
         done: usize,
         /// Total number.
         of: usize,
+        /// What is known so far; none while no scale gathers paint enough.
+        panorama: Option<Arc<SearchedPanorama>>,
     },
     /// The best positions are adjusted with all frames.
     Adjusting {
@@ -64,6 +69,19 @@ pub enum AutocalibrationProgress {
     },
     /// The base is refined with what the frames' own pictures show.
     Refining,
+}
+
+/// The panorama of the frames during the search, to be shown. Pan and tilt refer to `base`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchedPanorama {
+    /// The base of the best pose so far; before there is one, at the origin of `world`.
+    pub base: CameraBase,
+    /// The field of the best pose so far; none before there is one.
+    pub field: Option<FieldModel>,
+    /// Pan, tilt and focal length of each frame, and the size of its picture.
+    pub frames: Vec<(Ptz, ImageSize)>,
+    /// Directions of persistent paint.
+    pub paint: Vec<PanTilt>,
 }
 
 /// Reports progress.
@@ -119,7 +137,9 @@ impl fmt::Display for AutocalibrationProgress {
             }
             Self::Gathering => f.write_str("collecting the painted lines"),
             Self::Refining => f.write_str("adjusting the base to the paint of every frame"),
-            Self::Trying { places, done, of } => {
+            Self::Trying {
+                places, done, of, ..
+            } => {
                 write!(
                     f,
                     "trying {} positions, round {} of {of}",
@@ -174,6 +194,7 @@ mod tests {
             places: 304_425,
             done: 0,
             of: 5,
+            panorama: None,
         };
         assert_eq!(trying.to_string(), "trying 304,425 positions, round 1 of 5");
         assert!(

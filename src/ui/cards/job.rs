@@ -1,8 +1,9 @@
 //! The card of running work: its name, the present step, how far that is, the time that it still
-//! takes, and *Stop* at a fixed place.
+//! takes, *Stop* at a fixed place, and, during a search for a camera, a map of what it sees.
 
 use crate::ui::Panel;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::maps::paint_map;
 use egui::{Align, Id, Label, Layout, ProgressBar, RichText, Ui, vec2};
 use std::time::Duration;
 use touchline_application::app::operations::UnderWay;
@@ -14,6 +15,8 @@ const PACED_S: f64 = 4.0;
 const ROW: f32 = 22.0;
 /// Height of the bar, points.
 const BAR: f32 = 6.0;
+/// Height of the map, points.
+const MAP: f32 = 120.0;
 
 /// When a step was first seen, and how far it was then.
 #[derive(Clone)]
@@ -23,13 +26,15 @@ struct StepBegin {
     at_s: f64,
 }
 
-/// Shows the work. The card has the same height at every step, so that nothing below it moves.
+/// Shows the work. The card has the same height at every step, so that nothing below it moves, until
+/// the map of a search comes, which then stays.
 pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     let UnderWay {
         job,
         step,
         share,
         stop,
+        panorama,
     } = under_way;
     // The button first, from the right: a longer name is cut, and the button stays in its place.
     let row = vec2(ui.available_width(), ROW);
@@ -50,6 +55,10 @@ pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     ui.add(bar.desired_height(BAR).corner_radius(2));
     small_line(ui, step);
     small_line(ui, &describe_pace(ui, job, *share));
+    if let Some(panorama) = panorama {
+        let size = vec2(ui.available_width(), MAP);
+        paint_map::show_searched(ui, panorama, size);
+    }
 }
 
 /// A line of small text that is cut, never wrapped.

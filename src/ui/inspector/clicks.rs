@@ -149,9 +149,8 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
     } else {
         0.0
     };
-    let paints_residual = residual.text != NO_EVIDENCE;
     let text_left = rect.left() + 38.0;
-    let residual_width = if paints_residual { RESIDUAL } else { 0.0 };
+    let residual_width = if residual.is_evidence { RESIDUAL } else { 0.0 };
     let text_width = rect.right() - buttons - residual_width - 4.0 - text_left;
     let strength = if click.target.is_none() {
         ui.palette().caution
@@ -170,7 +169,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
         galley,
         strength,
     );
-    if paints_residual {
+    if residual.is_evidence {
         let right = pos2(rect.right() - buttons - 4.0, middle);
         painter.text(
             right,
@@ -273,6 +272,8 @@ fn colour(app: &App, index: usize, click: &Click) -> Color32 {
 struct Residual {
     text: String,
     colour: Color32,
+    /// Whether the row shows it. One that proves nothing is named once, beside the heading.
+    is_evidence: bool,
 }
 
 impl Residual {
@@ -280,6 +281,7 @@ impl Residual {
         Self {
             text: text.to_owned(),
             colour: palette.weak,
+            is_evidence: true,
         }
     }
 
@@ -292,6 +294,7 @@ impl Residual {
             } else {
                 palette.text
             },
+            is_evidence: true,
         }
     }
 }
@@ -337,7 +340,10 @@ fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residu
     };
     match residual.distance_px() {
         None => Residual::quiet("out of view", palette),
-        Some(_) if !residuals_are_evidence(app) => Residual::quiet(NO_EVIDENCE, palette),
+        Some(_) if !residuals_are_evidence(app) => Residual {
+            is_evidence: false,
+            ..Residual::quiet(NO_EVIDENCE, palette)
+        },
         Some(px) => Residual::distance(px, 3.0 * residual.sigma_px, palette),
     }
 }

@@ -9,7 +9,7 @@ mod details;
 mod solution;
 mod verdict;
 
-pub use solution::focal_range_px;
+pub use solution::{TILT_DEG, focal_range_px};
 
 /// Shows the main button, for other panels.
 pub use accept::show as accept;

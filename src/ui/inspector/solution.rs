@@ -6,6 +6,7 @@ use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self};
 use egui::{Align, Button, Layout, Ui};
 use std::ops::RangeInclusive;
+use touchline_application::app::quality::Quantity;
 use touchline_application::app::{Action, App, EditAction};
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{Angle, pluralise};
@@ -109,7 +110,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
             .show(ui, |ui| {
                 let number = Number {
                     name: "Pan",
-                    step: "Set pan",
+                    step: Quantity::Pan.edit_step(),
                     tip: "Pan, degrees; positive to the right.",
                     value: ptz.pan.degrees(),
                     speed: 0.02,
@@ -129,7 +130,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 ui.label("Focal");
                 let number = Number {
                     name: "Focal length",
-                    step: "Set focal length",
+                    step: Quantity::Focal.edit_step(),
                     tip: "Focal length, px of the picture.",
                     value: ptz.focal_px,
                     // In proportion to the value: a point of dragging zooms by the same factor
@@ -148,12 +149,12 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 ui.label("Tilt");
                 let number = Number {
                     name: "Tilt",
-                    step: "Set tilt",
+                    step: Quantity::Tilt.edit_step(),
                     tip: "Tilt, degrees; positive upwards.",
                     value: ptz.tilt.degrees(),
                     speed: 0.02,
                     decimals: 3,
-                    range: -90.0..=90.0,
+                    range: TILT_DEG,
                     why: "that is straight down to straight up",
                     suffix: "°",
                     width: field,
@@ -254,6 +255,9 @@ fn show_unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
 fn view_deg(focal_px: f64, width_px: f64) -> f64 {
     2.0 * (width_px / 2.0 / focal_px).atan().to_degrees()
 }
+
+/// The tilts that are accepted, degrees: straight down to straight up.
+pub const TILT_DEG: RangeInclusive<f64> = -90.0..=90.0;
 
 /// The focal lengths that are accepted, px.
 pub fn focal_range_px(width_px: f64) -> RangeInclusive<f64> {

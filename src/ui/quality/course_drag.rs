@@ -5,7 +5,7 @@
 
 use super::course_plots::CoursePlots;
 use crate::ui::Panel;
-use crate::ui::inspector::focal_range_px;
+use crate::ui::inspector::{TILT_DEG, focal_range_px};
 use egui::{CursorIcon, Pos2, Ui};
 use touchline_application::app::quality::{Course, CoursePoint, Quantity};
 use touchline_application::app::session::Mode;
@@ -44,7 +44,7 @@ impl CoursePlots {
             match grabbed {
                 Some(grabbed) => {
                     ui.data_mut(|data| data.insert_temp(memory, grabbed));
-                    panel.edit(EditAction::Begin(step(grabbed.quantity)));
+                    panel.edit(EditAction::Begin(grabbed.quantity.edit_step()));
                 }
                 None => ui.data_mut(|data| data.remove::<Grabbed>(memory)),
             }
@@ -96,15 +96,6 @@ impl CoursePlots {
     }
 }
 
-/// The name of the step of undo.
-const fn step(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Pan => "Set pan",
-        Quantity::Tilt => "Set tilt",
-        Quantity::Focal => "Set focal length",
-    }
-}
-
 /// The shown frame's pan, tilt and focal length with one of them changed by degrees or px.
 fn shift_camera(app: &App, quantity: Quantity, by: f64) -> Option<Ptz> {
     let frame = app.frame()?;
@@ -112,7 +103,8 @@ fn shift_camera(app: &App, quantity: Quantity, by: f64) -> Option<Ptz> {
     match quantity {
         Quantity::Pan => ptz.pan = Angle::from_degrees(ptz.pan.degrees() + by).wrap(),
         Quantity::Tilt => {
-            ptz.tilt = Angle::from_degrees((ptz.tilt.degrees() + by).clamp(-90.0, 90.0));
+            let tilt_deg = ptz.tilt.degrees() + by;
+            ptz.tilt = Angle::from_degrees(tilt_deg.clamp(*TILT_DEG.start(), *TILT_DEG.end()));
         }
         Quantity::Focal => {
             let range = focal_range_px(f64::from(frame.image_size.width));

@@ -108,15 +108,12 @@ impl AsItWas<'_> {
     /// Gives a camera of a result the masks that a person drew meanwhile. A new camera has those of
     /// the camera that its frames had.
     fn keep_masks(self, camera: &mut Shared<Camera>) {
-        let cameras = &self.then.cameras;
-        let of_frames = cameras.iter().find(|then| has_same_masks(then, camera));
-        let then = self
-            .then
-            .camera(&camera.id)
-            .or(of_frames.map(|then| &**then));
-        let Some(then) = then.filter(|then| has_same_masks(then, camera)) else {
-            return;
+        let mut of_frames = self.then.cameras.iter().map(|then| &**then);
+        let then = match self.then.camera(&camera.id) {
+            Some(then) => has_same_masks(then, camera).then_some(then),
+            None => of_frames.find(|then| has_same_masks(then, camera)),
         };
+        let Some(then) = then else { return };
         if let Some(now) = self
             .now
             .camera(&then.id)

@@ -61,6 +61,7 @@ use picture_check::PictureComparisonState;
 use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
 use std::sync::Arc;
+use touchline_calibration::autocalibrate::SearchedPanorama;
 use touchline_calibration::calibrate::EstimatedBase;
 use touchline_documents::document::{Document, Frame, Step};
 use transfer::TransferState;
@@ -119,19 +120,22 @@ pub struct UnderWay {
     /// The share of the present step that is done, 0 to 1; none if it is unknown.
     pub share: Option<f32>,
     pub stop: Command,
+    /// The panorama of the camera that is being searched; none in other work.
+    pub panorama: Option<Arc<SearchedPanorama>>,
 }
 
 impl UnderWay {
-    fn new(job: impl Into<String>, step: impl Into<String>, stop: Command) -> Self {
+    pub(super) fn new(job: impl Into<String>, step: impl Into<String>, stop: Command) -> Self {
         Self {
             job: job.into(),
             step: step.into(),
             share: None,
             stop,
+            panorama: None,
         }
     }
 
-    fn with_share(self, share: Option<f32>) -> Self {
+    pub(super) fn with_share(self, share: Option<f32>) -> Self {
         Self { share, ..self }
     }
 }

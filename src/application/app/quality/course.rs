@@ -32,6 +32,15 @@ impl Quantity {
             Self::Focal => "Focal length, px",
         }
     }
+
+    /// The name of the step of undo that changes it.
+    pub const fn edit_step(self) -> &'static str {
+        match self {
+            Self::Pan => "Set pan",
+            Self::Tilt => "Set tilt",
+            Self::Focal => "Set focal length",
+        }
+    }
 }
 
 /// The status of a frame, as the curve distinguishes it.

@@ -116,7 +116,9 @@ pub fn find_panoramas(
     let fields = field_prior.search_fields();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::with_grid).collect();
     let found = match origin {
-        PosesFrom::Places(places) => search_poses(matched, &maps, places, parts, progress)?,
+        PosesFrom::Places(places) => {
+            search_poses(matched, &fields, &maps, places, parts, progress)?
+        }
         PosesFrom::Clicks(clicks) => poses_from_clicks(matched, &fields, &maps, clicks, progress)?,
     };
     Ok(place_panoramas(found, &fields, field_prior))

@@ -16,13 +16,15 @@ use crate::autocalibrate::frames::matched_frames::{FramesAtScale, MatchedFrames}
 use crate::autocalibrate::frames::panorama::Panorama;
 use crate::autocalibrate::frames::rotations_by_focal_scale::RotationsByFocalScale;
 use crate::autocalibrate::progress::report;
-use crate::autocalibrate::{Abstention, AutocalibrationProgress};
+use crate::autocalibrate::{Abstention, AutocalibrationProgress, SearchedPanorama};
 use crate::calibrate::kept::KeepParts;
 use rayon::prelude::*;
 use std::convert::Infallible;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
+use touchline_core::camera::PanTilt;
 use touchline_core::field::FieldModel;
+use touchline_core::geometry::{Angle, Vec3};
 use touchline_core::progress::Progress;
 use touchline_vision::track::RelativeRotations;
 
@@ -89,6 +91,7 @@ pub struct PosesByFocalScale {
 /// poses at one focal scale are a part that is kept.
 pub fn search_poses(
     matched: &MatchedFrames,
+    fields: &[FieldModel],
     maps: &[PitchMap],
     places: &SearchPlaces,
     parts: PartsOfStage<'_>,
@@ -98,7 +101,7 @@ pub fn search_poses(
     try_focal_scales(
         matched,
         &FIRST_FOCAL_PERCENT,
-        num_places,
+        (fields, num_places),
         progress,
         |percent, _, panorama| parts.poses_at(percent, || search(panorama, maps, places)),
     )
@@ -115,7 +118,7 @@ pub fn poses_from_clicks(
     try_focal_scales(
         matched,
         &FINE_FOCAL_PERCENT,
-        fields.len(),
+        (fields, fields.len()),
         progress,
         |_, rotations, panorama| {
             let mut found = Vec::new();
@@ -149,7 +152,8 @@ fn best_of_pair(
 }
 
 /// The best poses at each of some focal scales, and at the neighbours of the scale that has the
-/// best pose of all. `poses_at` returns the poses at one scale, the best first.
+/// best pose of all. `poses_at` returns the poses at one scale, the best first; they are on one of
+/// `fields`.
 ///
 /// # Errors
 /// The search was stopped, no scale could be evaluated, or the frames are not those of a rotating
@@ -157,7 +161,7 @@ fn best_of_pair(
 fn try_focal_scales(
     matched: &MatchedFrames,
     focal_percent: &[u32],
-    places: usize,
+    (fields, places): (&[FieldModel], usize),
     progress: &Progress<'_, AutocalibrationProgress>,
     poses_at: impl Fn(u32, &RelativeRotations, &Panorama) -> Vec<ScoredPose>,
 ) -> Result<PosesByFocalScale, Stop> {
@@ -165,21 +169,27 @@ fn try_focal_scales(
     let mut percents = focal_percent.to_vec();
     let mut best: Option<(f64, u32)> = None;
     let mut refused = None;
+    let mut shown = None;
     let mut done = 0;
     while let Some(&percent) = percents.get(done) {
+        let at_scale = matched.at_scale(percent);
+        if let (None, Ok((frames, panorama))) = (&shown, &at_scale) {
+            shown = Some(view_panorama(matched, &frames.rotations, panorama, None));
+        }
         let of = percents.len().max(USUAL_ROUNDS);
-        report(
-            progress,
-            AutocalibrationProgress::Trying { places, done, of },
-        )?;
+        report(progress, begin_round(places, [done, of], &shown))?;
         done += 1;
-        match matched.at_scale(percent) {
+        match at_scale {
             Ok((frames, panorama)) => {
                 // Find the poses at this scale, and remember the scale with the best pose.
                 let poses = poses_at(percent, &frames.rotations, &panorama);
                 let score = poses.first().map_or(0.0, ScoredPose::score);
                 if best.is_none_or(|(other, _)| score > other) {
                     best = Some((score, percent));
+                    let first = poses.first();
+                    let placed = first.and_then(|best| Some((&best.pose, fields.get(best.field)?)));
+                    let rotations = &frames.rotations;
+                    shown = Some(view_panorama(matched, rotations, &panorama, placed));
                 }
                 rotations.push((percent, frames.rotations.clone()));
                 let frames = Arc::new(frames);
@@ -202,11 +212,49 @@ fn try_focal_scales(
     if let Some(why) = refused.filter(|_| rotations.is_empty()) {
         return Err(why.into());
     }
+    report(progress, begin_round(places, [done, done], &shown))?;
     // Poses of all scales compete; the sort is stable.
     found.sort_by(|a, b| b.scored.score().total_cmp(&a.scored.score()));
     Ok(PosesByFocalScale {
         poses: found,
         rotations: RotationsByFocalScale::new(rotations),
+    })
+}
+
+/// The progress at the beginning of a round, and after the last one.
+fn begin_round(
+    places: usize,
+    [done, of]: [usize; 2],
+    panorama: &Option<Arc<SearchedPanorama>>,
+) -> AutocalibrationProgress {
+    AutocalibrationProgress::Trying {
+        places,
+        done,
+        of,
+        panorama: panorama.clone(),
+    }
+}
+
+/// The panorama at one focal scale as it is shown, with the field where a pose puts it.
+fn view_panorama(
+    matched: &MatchedFrames,
+    rotations: &RelativeRotations,
+    panorama: &Panorama,
+    placed: Option<(&PanoramaPose, &FieldModel)>,
+) -> Arc<SearchedPanorama> {
+    let unplaced = PanoramaPose::upright(Vec3::zeros(), Angle::default());
+    let pose = placed.map_or(&unplaced, |(pose, _)| pose);
+    let base = pose.base(rotations);
+    let base_from_panorama = base.base_from_world * pose.world_from_panorama;
+    let directions = panorama.directions.iter();
+    let frames = rotations.ptz.iter();
+    Arc::new(SearchedPanorama {
+        base,
+        field: placed.map(|(_, field)| field.clone()),
+        frames: frames.map(|ptz| (*ptz, matched.image_size)).collect(),
+        paint: directions
+            .map(|direction| PanTilt::from_direction(base_from_panorama * direction))
+            .collect(),
     })
 }
 
@@ -238,7 +286,6 @@ mod tests {
     use crate::calibrate::kept::{KeptInMemory, NothingKept};
     use std::cell::RefCell;
     use std::ops::ControlFlow;
-    use touchline_core::geometry::{Angle, Vec3};
 
     /// The scales that are tried if the best is always the one nearest to `best`.
     fn tried(first: &[u32], best: u32) -> Vec<u32> {
@@ -282,7 +329,7 @@ mod tests {
                 })
             };
             let first = &FIRST_FOCAL_PERCENT;
-            outcomes.push(try_focal_scales(&matched, first, 1, &progress, poses_at).is_ok());
+            outcomes.push(try_focal_scales(&matched, first, (&[], 1), &progress, poses_at).is_ok());
             searched.into_inner()
         });
         assert_eq!(outcomes, [false, true]);

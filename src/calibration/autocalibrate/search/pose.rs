@@ -2,12 +2,14 @@
 
 use super::pitch_map::{OnLine, PitchMap};
 use nalgebra::{SVector, Vector1};
+use touchline_core::camera::{BaseAngles, CameraBase};
 use touchline_core::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use touchline_core::geometry::{Angle, Mat3, Vec3};
 use touchline_core::markings::detectability;
 use touchline_core::solve::{
     BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise,
 };
+use touchline_vision::track::RelativeRotations;
 
 /// The pose of a panorama. The frame `panorama` has its origin in the camera and the pan axis as
 /// its z axis.
@@ -18,6 +20,18 @@ pub struct PanoramaPose {
 }
 
 impl PanoramaPose {
+    /// The base of the camera whose frames have these rotations.
+    pub fn base(&self, rotations: &RelativeRotations) -> CameraBase {
+        // In `panorama` the cameras of the frames have a level base (`RelativeRotations::camera`), so
+        // `base_from_panorama` is that of the default angles.
+        let base_from_panorama = BaseAngles::default().base_from_world();
+        let base_from_world = base_from_panorama * self.world_from_panorama.transpose();
+        CameraBase {
+            distortion: rotations.lens,
+            ..CameraBase::new(self.position_m, base_from_world, rotations.principal_point)
+        }
+    }
+
     /// With a vertical pan axis; heading as in [`touchline_core::camera::BaseAngles`].
     pub fn upright(position_m: Vec3, heading: Angle) -> Self {
         let (sin, cos) = heading.sin_cos();

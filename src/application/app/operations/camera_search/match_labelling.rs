@@ -3,12 +3,12 @@
 //! The result is one step of undo. *Stop* keeps what is found, and the same command goes on from
 //! there, because finished parts of the work are kept beside the document.
 
+use super::search_step::{SearchStep, SearchSteps};
 use super::{CameraSearch, SearchFollowUp, why_no_search_of_sport};
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::operations::clip_tracking;
 use crate::app::window_state::session::Level;
-use crate::app::{App, Command, sentence};
+use crate::app::{App, Command};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,12 +16,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use touchline_calibration::autocalibrate::{AutocalibrationAnswer, AutocalibrationError};
 use touchline_calibration::calibrate::FoundCamera;
 use touchline_calibration::pipelines::{
-    LabelMatchError, LabelledMatch, LearningProgress, MatchEvent, MatchLabels, MatchOptions,
-    NoCamera, TrackingEvent, label_match,
+    LabelMatchError, LabelledMatch, MatchEvent, MatchLabels, MatchOptions, NoCamera, label_match,
 };
 use touchline_calibration::proposals::WorkFolder;
 use touchline_core::geometry::{pluralise, thousands};
-use touchline_core::progress::{Progress, Share};
+use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, CameraId, Document, Frame};
 
 /// The name of the step of undo.
@@ -71,38 +70,28 @@ struct StoppedLabelling {
     with_found: Document,
 }
 
-/// A step of the work, and how far it has come.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LabellingProgress {
-    step: String,
-    /// The share that is done, 0 to 1; none if it is unknown.
-    share: Option<f32>,
-}
-
 // ---- The work ----
 
 impl Operation for MatchLabelling {
-    type Progress = LabellingProgress;
+    type Progress = SearchStep;
     type Output = LabelledDocument;
     type Error = LabelMatchError;
 
     const NAME: &'static str = "label a match";
 
-    fn run(
-        &self,
-        context: &Context<'_, LabellingProgress>,
-    ) -> Result<LabelledDocument, LabelMatchError> {
+    fn run(&self, context: &Context<'_, SearchStep>) -> Result<LabelledDocument, LabelMatchError> {
         let mut reader = context.open_reader();
         let mut document = self.document.clone();
         let options = MatchOptions {
             work: Some(WorkFolder::beside(&self.file)),
             ..MatchOptions::default()
         };
+        let steps = SearchSteps::default();
         let progress = Progress::new(|event: MatchEvent| {
             context.give_way_to_window();
-            match LabellingProgress::from_event(&event) {
+            match steps.of_match(&event) {
                 _ if self.ends_early.load(Ordering::Relaxed) => ControlFlow::Break(()),
-                Some(progress) => context.report(progress),
+                Some(step) => context.report(step),
                 None => context.check(),
             }
         });
@@ -178,49 +167,6 @@ impl MatchLabelling {
     }
 }
 
-impl LabellingProgress {
-    /// What an event says of the present step. None for those between two steps.
-    fn from_event(event: &MatchEvent) -> Option<Self> {
-        let (step, share) = match event {
-            MatchEvent::FindingShots(done) => {
-                ("looking for cuts".to_owned(), Some(done.fraction()))
-            }
-            MatchEvent::Searching(step) => (step.to_string(), Some(step.share_of_step() as f32)),
-            MatchEvent::Learning(LearningProgress::Features { done, of }) => {
-                let share = Share {
-                    done: *done,
-                    of: *of,
-                };
-                (
-                    "learning from the frames that were found".to_owned(),
-                    Some(share.fraction()),
-                )
-            }
-            MatchEvent::Asking { done, of } => {
-                let share = Share {
-                    done: *done,
-                    of: *of,
-                };
-                (
-                    "answering the other shots".to_owned(),
-                    Some(share.fraction()),
-                )
-            }
-            MatchEvent::Tracking(TrackingEvent::Progress(step)) => (
-                clip_tracking::describe_progress(step),
-                clip_tracking::share_of(step),
-            ),
-            MatchEvent::Tracking(TrackingEvent::Refining(camera)) => (
-                format!("refining the base of {} on the paint", camera.as_str()),
-                None,
-            ),
-            _ => return None,
-        };
-        let step = sentence(&step);
-        Some(Self { step, share })
-    }
-}
-
 // ---- In the application ----
 
 impl App {
@@ -231,7 +177,6 @@ impl App {
             return (!is_running).then_some("No cameras are being found.");
         }
         let (open, frame) = (self.open.as_ref()?, self.frame()?);
-        let goes_on = self.stopped_labelling().is_some();
         if self.is_read_only() {
             return Some("The document is read-only.");
         }
@@ -245,13 +190,12 @@ impl App {
             return Some("This frame does not come from a video.");
         }
         let document = &open.document;
-        let mut frames = document.frames.iter();
-        if !goes_on && frames.any(|other| other.camera != frame.camera) {
-            return Some("Its frames have several cameras: find them one by one.");
-        }
         let base = document.camera_of(frame).and_then(Camera::base);
-        if !goes_on && base.is_some() {
+        if base.is_some() && self.stopped_labelling().is_none() {
             return Some("This camera has a base already: track the cameras through its shots.");
+        }
+        if base.is_none() && open.counts().cameras_with_frames() > 1 {
+            return Some("Its frames have several cameras: find them one by one.");
         }
         why_no_search_of_sport(document, &frame.camera)
     }
@@ -378,13 +322,12 @@ impl MatchLabellingState {
     /// The labelling under way, with how far it has come.
     pub(in crate::app::operations) fn under_way(&self) -> Option<UnderWay> {
         let running = self.slot.running()?;
-        let progress = running.progress();
-        let step = progress.map_or("Opening the pictures", |progress| &progress.step);
-        let is_ending = running.operation().ends_early.load(Ordering::Relaxed);
-        let step = if is_ending { "Ending" } else { step };
-        let share = progress.and_then(|progress| progress.share);
         let job = "Finding the cameras of the video";
-        Some(UnderWay::new(job, step, Command::StopFindCameras).with_share(share))
+        let mut card = SearchStep::under_way(running.progress(), job, Command::StopFindCameras);
+        if running.operation().ends_early.load(Ordering::Relaxed) {
+            "Ending".clone_into(&mut card.step);
+        }
+        Some(card)
     }
 }
 

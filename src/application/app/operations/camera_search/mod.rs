@@ -5,19 +5,21 @@
 //! decides; or an abstention, with the reason and a remedy.
 
 mod match_labelling;
+mod search_step;
 mod two_cameras;
 mod words;
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::{Dialog, Level};
-use crate::app::{App, Command, sentence};
+use crate::app::{App, Command};
 pub(in crate::app) use match_labelling::MatchLabellingState;
 pub use match_labelling::{LabelledDocument, MatchLabelling};
+pub use search_step::{SearchStep, SearchSteps};
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
-    AutocalibrationAnswer, AutocalibrationError, AutocalibrationProgress, find_camera, is_court,
+    AutocalibrationAnswer, AutocalibrationError, find_camera, is_court,
 };
 use touchline_calibration::calibrate::{AutocalibratedCamera, BulkChange, FoundCamera};
 use touchline_calibration::pipelines::MatchOptions;
@@ -75,7 +77,7 @@ pub enum SearchFollowUp {
 }
 
 impl Operation for CameraSearch {
-    type Progress = AutocalibrationProgress;
+    type Progress = SearchStep;
     type Output = AutocalibrationAnswer;
     type Error = AutocalibrationError;
 
@@ -83,7 +85,7 @@ impl Operation for CameraSearch {
 
     fn run(
         &self,
-        context: &Context<'_, AutocalibrationProgress>,
+        context: &Context<'_, SearchStep>,
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
         let mut reader = context.open_reader();
         let mut picture = |index: usize| {
@@ -91,12 +93,14 @@ impl Operation for CameraSearch {
         };
         let at = self.document.at(&self.folder);
         let sampled_frames = MatchOptions::default().sampled_frames;
+        let steps = SearchSteps::default();
+        let progress = context.progress();
         find_camera(
             at,
             &self.camera,
             sampled_frames,
             &mut picture,
-            &context.progress(),
+            &progress.part(|event| steps.of_search(&event)),
         )
     }
 
@@ -331,11 +335,9 @@ impl App {
 impl CameraSearchState {
     /// The running search with its progress, for the status row.
     pub fn under_way(&self) -> Option<UnderWay> {
-        let progress = self.slot.running()?.progress();
-        let step = progress.map_or_else(|| "Opening the pictures".to_owned(), ToString::to_string);
-        let share = progress.map(|progress| progress.share_of_step() as f32);
-        let job = "Finding the camera";
-        Some(UnderWay::new(job, sentence(&step), Command::StopFindCamera).with_share(share))
+        let at = self.slot.running()?.progress();
+        let card = SearchStep::under_way(at, "Finding the camera", Command::StopFindCamera);
+        Some(card)
     }
 
     /// Whether a search is running.

@@ -48,6 +48,11 @@ impl FrameCounts {
         self.by_camera.get(camera).copied().unwrap_or_default()
     }
 
+    /// The number of cameras that have frames.
+    pub fn cameras_with_frames(&self) -> usize {
+        self.by_camera.values().filter(|count| **count > 0).count()
+    }
+
     /// The number of frames that a filter shows.
     pub fn count_matching(&self, filter: Filter) -> usize {
         match filter {

@@ -34,7 +34,7 @@ use crate::autocalibrate::frames::matched_frames::FramesAtScale;
 use crate::autocalibrate::frames::rotations_by_focal_scale::{FocalScale, RotationsByFocalScale};
 use correspondences::{PaintProblem, PaintSamples, match_paint_to_lines, subsample_per_line};
 use parameters::{FieldFamily, Parameters, priors};
-use touchline_core::camera::{BaseAngles, CameraBase};
+use touchline_core::camera::CameraBase;
 use touchline_core::field::FieldModel;
 use touchline_core::solve::{Residual, Stopping, minimise};
 use touchline_vision::track::RelativeRotations;
@@ -66,18 +66,7 @@ pub struct PanoramaFit {
 impl PanoramaFit {
     /// The base of the frames' camera.
     pub fn base(&self) -> CameraBase {
-        let PanoramaPose {
-            position_m,
-            world_from_panorama,
-        } = self.pose;
-        // In `panorama` the cameras of the frames have a level base (`RelativeRotations::camera`), so
-        // `base_from_panorama` is that of the default angles.
-        let base_from_panorama = BaseAngles::default().base_from_world();
-        let base_from_world = base_from_panorama * world_from_panorama.transpose();
-        CameraBase {
-            distortion: self.rotations.lens,
-            ..CameraBase::new(position_m, base_from_world, self.rotations.principal_point)
-        }
+        self.pose.base(&self.rotations)
     }
 }
 
