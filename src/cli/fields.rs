@@ -175,7 +175,13 @@ fn listing(template: &Template, field: &FieldModel) -> String {
     );
     for line in &field.lines {
         let shape = shape_name(&line.curve);
-        let painted = if line.painted { "" } else { ", not painted" };
+        let painted = match line.dash_m {
+            _ if !line.painted => ", not painted".to_owned(),
+            Some([dash_m, gap_m]) => {
+                format!(", dashes {} m, gaps {} m", metres(dash_m), metres(gap_m))
+            }
+            None => String::new(),
+        };
         let _ = writeln!(
             out,
             "    {:<44} {:<5} {shape:<8} {:>5} m {:<6}  {}{painted}",
@@ -244,6 +250,7 @@ fn line_json(line: &FieldLine) -> Value {
     let mut value = json!({
         "id": line.id.as_str(), "label": line.label, "code": line.code, "shape": shape_name(&line.curve),
         "width_m": line.width_m, "edge": line.edge.name(), "painted": line.painted,
+        "dash_m": line.dash_m,
     });
     match line.curve {
         Curve::Segment { from, to } => {

@@ -123,6 +123,7 @@ fn draw_frame(
     let options = MarkingOptions {
         tolerance_px: 1.0 / scale,
         margin_px: 0.0,
+        dashes: true,
     };
     let Some(camera) = document.ptz_camera(frame) else {
         return Some(image);

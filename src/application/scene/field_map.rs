@@ -123,8 +123,9 @@ pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
         .lines
         .iter()
         .filter(|line| lies_on_ground(line))
-        .map(|line| Stroke {
-            points: flatten_curve(&line.curve, map, scene.zoom),
+        .flat_map(|line| line.pieces(&line.curve))
+        .map(|piece| Stroke {
+            points: flatten_curve(&piece, map, scene.zoom),
             colour: MARKINGS,
             width_pt: 1.25,
             outline: None,

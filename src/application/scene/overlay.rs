@@ -256,6 +256,7 @@ pub(super) fn lines_in_picture(scene: &OverlayScene<'_>) -> Vec<MarkingPolyline>
     // Curves deviate by at most 0.1 px of the canvas, and of the picture if that is shown reduced.
     let options = MarkingOptions {
         tolerance_px: 0.1 / scene.zoom.max(1.0),
+        dashes: true,
         ..MarkingOptions::default()
     };
     project_lines(scene.field, camera, scene.image_size, &options)

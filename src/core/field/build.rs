@@ -9,6 +9,9 @@ use super::{
 use crate::geometry::{Angle, Vec3};
 use std::collections::BTreeMap;
 
+/// The maximum number of dashes of a line: each is drawn by itself.
+const MAX_DASHES: f64 = 2_000.0;
+
 /// 1-σ of a click on a line, px at 1920 px width.
 const LINE_CLICK_SIGMA_PX: f64 = 2.0;
 
@@ -150,6 +153,10 @@ fn build_model(
             // of 12 cm at 60 m and f = 3000 px they are 3 px apart.
             let paint_centre = shift_inward(&curve, inside, part.edge.inward_shift() * width_m)
                 .map_err(|problem| builder.invalid(&name, problem))?;
+            let dash_m = match &part.dash_m {
+                Some(dash) => Some(builder.dash(&format!("{name}, dash_m"), dash, &curve)?),
+                None => None,
+            };
             Ok(FieldLine {
                 id: part.id.as_str().into(),
                 label: part.label.clone(),
@@ -159,6 +166,7 @@ fn build_model(
                 edge: part.edge,
                 paint_centre,
                 painted: part.painted,
+                dash_m,
             })
         })
         .collect::<Result<_, FieldError>>()?;
@@ -271,6 +279,19 @@ impl Builder<'_> {
         } else {
             Err(self.invalid(part, format!("{value} m is not greater than 0")))
         }
+    }
+
+    /// The length of the dashes of a line and of the gaps between them, m.
+    fn dash(&self, part: &str, dash: &[Scoped; 2], of: &Curve) -> Result<[f64; 2], FieldError> {
+        let [dash_m, gap_m] = [
+            self.positive(part, &dash[0])?,
+            self.positive(part, &dash[1])?,
+        ];
+        if of.length_m() / (dash_m + gap_m) > MAX_DASHES {
+            let problem = format!("{dash_m} and {gap_m} m make more than {MAX_DASHES} dashes");
+            return Err(self.invalid(part, problem));
+        }
+        Ok([dash_m, gap_m])
     }
 
     fn point(&self, part: &str, point: &PointPart) -> Result<Vec3, FieldError> {

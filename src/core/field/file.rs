@@ -98,6 +98,7 @@ pub struct LineFile {
     pub edge: Option<String>,
     pub inside: Option<PointFile>,
     pub painted: Option<bool>,
+    pub dash_m: Option<[Formula; 2]>,
 }
 
 /// A number, or an expression in a string. Its text is kept and parsed later, where an error can

@@ -103,9 +103,38 @@ pub struct FieldLine {
     /// The centre line of the paint (or of the post): `curve` moved by half the width according to
     /// `edge`.
     pub paint_centre: Curve,
-    /// Whether it is painted on the ground as one continuous line; false for posts, crossbars,
-    /// nets, boards and dashed lines.
+    /// Whether it is painted on the ground; false for posts, crossbars, nets and boards.
     pub painted: bool,
+    /// Length of the dashes and of the gaps between them, m; none for a whole line. Rules say
+    /// seldom where the first dash begins: as drawn here, a line begins and ends with a whole one.
+    pub dash_m: Option<[f64; 2]>,
+}
+
+impl FieldLine {
+    /// The share of its length that has paint, 0 to 1.
+    pub fn painted_share(&self) -> f64 {
+        self.dash_m
+            .map_or(1.0, |[dash_m, gap_m]| dash_m / (dash_m + gap_m))
+    }
+
+    /// Its nominal curve or the centre of its paint in pieces: the dashes, or the whole.
+    pub fn pieces(&self, curve: &Curve) -> impl Iterator<Item = Curve> + use<> {
+        let (number, period, share) = match self.dash_m {
+            Some([dash_m, gap_m]) => {
+                let period_m = dash_m + gap_m;
+                // The nearest whole number of dashes, all lengths stretched alike to fit.
+                let number = ((curve.length_m() + gap_m) / period_m).round().max(1.0);
+                let period = period_m / (number * period_m - gap_m);
+                (number, period, dash_m / period_m)
+            }
+            None => (1.0, 1.0, 1.0),
+        };
+        let curve = *curve;
+        (0..number as usize).map(move |piece| {
+            let from = piece as f64 * period;
+            curve.part(from, from + period * share)
+        })
+    }
 }
 
 /// Which edge of the paint a nominal line is.
@@ -180,6 +209,27 @@ impl Curve {
                 let (sin, cos) = (start + sweep * t).sin_cos();
                 centre + Vec3::new(cos, sin, 0.0) * radius_m
             }
+        }
+    }
+
+    /// The part between two parameters.
+    fn part(&self, from_t: f64, to_t: f64) -> Self {
+        match *self {
+            Self::Segment { .. } => Self::Segment {
+                from: self.point_at(from_t),
+                to: self.point_at(to_t),
+            },
+            Self::Arc {
+                centre,
+                radius_m,
+                start,
+                sweep,
+            } => Self::Arc {
+                centre,
+                radius_m,
+                start: start + sweep * from_t,
+                sweep: sweep * (to_t - from_t),
+            },
         }
     }
 
@@ -294,6 +344,34 @@ pub(super) fn same_place(a: Vec3, b: Vec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::builtin;
+
+    #[test]
+    fn a_dashed_line_begins_and_ends_with_a_dash() {
+        let field = builtin("handball").unwrap().default_model().unwrap();
+        let dashed = field.lines.iter().filter(|line| line.dash_m.is_some());
+        let mut count = 0;
+        for line in dashed {
+            assert!((line.painted_share() - 0.5).abs() < 1e-12);
+            let pieces: Vec<Curve> = line.pieces(&line.curve).collect();
+            let (first, last) = (pieces[0], pieces[pieces.len() - 1]);
+            assert!((first.point_at(0.0) - line.curve.point_at(0.0)).norm() < 1e-9);
+            assert!((last.point_at(1.0) - line.curve.point_at(1.0)).norm() < 1e-9);
+            for (dash, next) in pieces.iter().zip(&pieces[1..]) {
+                let gap_m = (next.point_at(0.0) - dash.point_at(1.0)).norm();
+                // Stretched to fit: by less than one dash in ten.
+                assert!((dash.length_m() - 0.15).abs() < 0.015 && (gap_m - 0.15).abs() < 0.015);
+                assert!(line.curve.distance_m(dash.point_at(0.5)) < 1e-9);
+            }
+            count += 1;
+        }
+        assert_eq!(count, 6, "two ends, each straight and with two arcs");
+        let whole = &field.lines[0];
+        assert_eq!(
+            whole.pieces(&whole.curve).collect::<Vec<_>>(),
+            [whole.curve.part(0.0, 1.0)]
+        );
+    }
 
     #[test]
     fn the_distance_from_a_curve_is_that_of_its_nearest_point() {

@@ -27,6 +27,8 @@ pub struct LinePart {
     /// A point of the area that a straight line bounds; present if `edge` is not the centre.
     pub inside: Option<PointPart>,
     pub painted: bool,
+    /// Length of the dashes and of the gaps, m; none for a whole line.
+    pub dash_m: Option<[Scoped; 2]>,
 }
 
 /// Three coordinates, m, with the names that their entry's variant adds to the parameters.

@@ -119,8 +119,14 @@ impl Plan {
             " stroke=\"#7fb4ff\""
         };
         let width = self.length(line.width_m);
+        let dashes = line.dash_m.map_or_else(String::new, |[dash_m, gap_m]| {
+            let [dash, gap] = [dash_m, gap_m].map(|along_m| self.length(along_m));
+            format!(" stroke-dasharray=\"{dash} {gap}\"")
+        });
         let title = xml_text(&line.label);
-        format!("<g><title>{title}</title><{tag} {place} stroke-width=\"{width}\"{colour}/></g>\n")
+        format!(
+            "<g><title>{title}</title><{tag} {place} stroke-width=\"{width}\"{dashes}{colour}/></g>\n"
+        )
     }
 }
 

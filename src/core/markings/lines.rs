@@ -3,7 +3,7 @@
 use super::clip::{Window, within_cone, within_frame, within_pyramid};
 use super::flatten::Flattener;
 use crate::camera::PtzCamera;
-use crate::field::FieldModel;
+use crate::field::{Curve, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
 
 /// Options of the projection of lines.
@@ -14,6 +14,9 @@ pub struct MarkingOptions {
     /// Lines extend beyond the picture's border by this, px, so that the ends of wide strokes are
     /// not visible. Default 16.
     pub margin_px: f64,
+    /// Whether a dashed line is projected dash by dash, to be drawn; else as one line. Default
+    /// false.
+    pub dashes: bool,
 }
 
 impl Default for MarkingOptions {
@@ -21,6 +24,7 @@ impl Default for MarkingOptions {
         Self {
             tolerance_px: 0.1,
             margin_px: 16.0,
+            dashes: false,
         }
     }
 }
@@ -59,7 +63,14 @@ pub fn project_lines(
     };
     for (line, field_line) in field.lines.iter().enumerate() {
         let first = pen.polylines.len();
-        flattener.flatten(&field_line.curve, &mut |a, b| pen.piece(line, first, a, b));
+        let mut draw = |of: &Curve| flattener.flatten(of, &mut |a, b| pen.piece(line, first, a, b));
+        if options.dashes {
+            field_line
+                .pieces(&field_line.curve)
+                .for_each(|dash| draw(&dash));
+        } else {
+            draw(&field_line.curve);
+        }
     }
     pen.polylines
 }

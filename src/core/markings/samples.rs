@@ -37,6 +37,8 @@ pub struct LineSample {
     pub normal: Vec2,
     /// The width of the paint along the normal, px.
     pub width_px: f64,
+    /// The share of the line's length that has paint, 0 to 1: less than 1 on a dashed line.
+    pub painted_share: f64,
     /// The side that is outside the playing area: 1 along the normal, −1 against it, 0 if both
     /// sides are inside.
     pub outward: f64,
@@ -50,7 +52,7 @@ const PLAIN_WIDTH_PX: f64 = 0.8;
 impl LineSample {
     /// How much it counts against a camera if no paint is seen here, 0 to 1 ([`detectability`]).
     pub fn detectability(&self) -> f64 {
-        detectability(self.width_px)
+        self.painted_share * detectability(self.width_px)
     }
 
     /// How far the line moves in the picture, along its normal, for each metre that the ground
@@ -110,6 +112,7 @@ pub fn sample_lines(
                     image: here.image,
                     normal: here.normal,
                     width_px: here.width_px(of.width_m),
+                    painted_share: of.painted_share(),
                     outward: here.outward(field),
                 });
             }

@@ -183,6 +183,18 @@ const BROKEN: &[(&str, &str, &str, &str)] = &[
         "yard.json: line \"side_near\", width_m: 0 m is not greater than 0",
     ),
     (
+        "dashes without a gap",
+        "\"width_m\": 0.05",
+        "\"width_m\": 0.05, \"dash_m\": [0.15, 0]",
+        "yard.json: line \"side_near\", dash_m: 0 m is not greater than 0",
+    ),
+    (
+        "dashes without number",
+        "\"width_m\": 0.05",
+        "\"width_m\": 0.05, \"dash_m\": [1e-6, 1e-6]",
+        "yard.json: line \"side_near\", dash_m: 0.000001 and 0.000001 m make more than 2000 dashes",
+    ),
+    (
         "paint in the air",
         "\"to\": \"corner_{near,far}_right\"",
         "\"to\": [0, 0, 2.44]",

@@ -21,7 +21,8 @@ const MAP: f32 = 120.0;
 /// When a step was first seen, and how far it was then.
 #[derive(Clone)]
 struct StepBegin {
-    job: String,
+    /// The words of the step, which stay while its numbers change.
+    words: String,
     share: f32,
     at_s: f64,
 }
@@ -54,7 +55,7 @@ pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     let bar = ProgressBar::new(share.unwrap_or(1.0)).animate(share.is_none());
     ui.add(bar.desired_height(BAR).corner_radius(2));
     small_line(ui, step);
-    small_line(ui, &describe_pace(ui, job, *share));
+    small_line(ui, &describe_pace(ui, under_way));
     if let Some(panorama) = panorama {
         let size = vec2(ui.available_width(), MAP);
         paint_map::show_searched(ui, panorama, size);
@@ -69,20 +70,22 @@ fn small_line(ui: &mut Ui, text: &str) {
 
 /// The share of the present step that is done, and the time that the rest of it takes at the pace
 /// so far.
-fn describe_pace(ui: &Ui, job: &str, share: Option<f32>) -> String {
-    let Some(share) = share else {
+fn describe_pace(ui: &Ui, under_way: &UnderWay) -> String {
+    let Some(share) = under_way.share else {
         return "Its length is not known.".to_owned();
     };
+    let words = words_of_step(&under_way.step);
     let now_s = ui.input(|input| input.time);
     let begin = ui.data_mut(|data| {
         let fresh = || StepBegin {
-            job: job.to_owned(),
+            words: words.clone(),
             share,
             at_s: now_s,
         };
-        let begin = data.get_temp_mut_or_insert_with(Id::unique(("pace of", job)), fresh);
-        // A new step begins at a smaller share.
-        if share < begin.share || begin.job != job {
+        let memory = Id::unique(("pace of", &under_way.job));
+        let begin = data.get_temp_mut_or_insert_with(memory, fresh);
+        // The same step begins again at a smaller share.
+        if share < begin.share || begin.words != words {
             *begin = fresh();
         }
         begin.clone()
@@ -92,6 +95,13 @@ fn describe_pace(ui: &Ui, job: &str, share: Option<f32>) -> String {
         Some(left) => format!("{percent:.0} %, {} of this step", describe_left(left)),
         None => format!("{percent:.0} % of this step"),
     }
+}
+
+/// A step without its numbers, which change while it goes on.
+fn words_of_step(step: &str) -> String {
+    let words = step.split_whitespace();
+    let words = words.filter(|word| !word.starts_with(|first: char| first.is_ascii_digit()));
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// The time until a step is done at the pace since it was first seen. None while that is not known.
@@ -108,13 +118,14 @@ mod tests {
     #[test]
     fn the_time_left_follows_from_the_pace_of_the_step() {
         let begin = StepBegin {
-            job: "Tracking".to_owned(),
+            words: words_of_step("Tracking 12 of 97 frames."),
             share: 0.25,
             at_s: 10.0,
         };
         let left = |share, now_s| time_left_s(&begin, share, now_s);
         assert_eq!(left(0.5, 20.0), Some(Duration::from_secs(20)));
         assert_eq!(left(0.5, 12.0), None, "two seconds are no pace");
+        assert_eq!(begin.words, words_of_step("Tracking 13 of 97 frames."));
         assert_eq!(left(0.25, 60.0), None, "nothing was done");
     }
 }

@@ -54,6 +54,7 @@ pub fn paint(
     let options = MarkingOptions {
         tolerance_px: TOLERANCE_PX,
         margin_px: 0.0,
+        dashes: true,
     };
     let [red, green, blue] = panel.app.overlay_style().colour;
     // The lines, cut at the border of the picture.

@@ -57,7 +57,7 @@ impl Paint {
             .lines
             .iter()
             .filter(|line| line.painted)
-            .map(PaintedShape::from_field_line)
+            .flat_map(PaintedShape::of_line)
             .chain(spots)
             .collect();
         // A grid of cells with the markings near each, since most pixels of grass have none and the
@@ -111,14 +111,20 @@ impl Paint {
 }
 
 impl PaintedShape {
-    fn from_field_line(line: &FieldLine) -> Self {
+    /// The shapes of a line: the whole, or its dashes.
+    fn of_line(line: &FieldLine) -> impl Iterator<Item = Self> {
+        let pieces = line.pieces(&line.paint_centre);
+        pieces.map(|piece| Self::from_piece(line, piece))
+    }
+
+    fn from_piece(line: &FieldLine, piece: Curve) -> Self {
         let half_width_m = 0.5 * line.width_m;
-        match line.paint_centre {
+        match piece {
             Curve::Segment { from, to } => {
                 let length_m = (to - from).norm();
                 // Paint centred on its line is drawn half a width over the end, so that corners are
                 // full; where the nominal line is the paint's edge, the end is the corner already.
-                let over_m = if line.edge == PaintEdge::Centre {
+                let over_m = if line.edge == PaintEdge::Centre && line.dash_m.is_none() {
                     half_width_m
                 } else {
                     0.0

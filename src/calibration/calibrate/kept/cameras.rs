@@ -38,7 +38,7 @@ kept! {
     Landmark {
         id, label, code, nominal_m, click_sigma_px, place_sigma_px, spot_diameter_m, is_unmarked,
     }
-    FieldLine { id, label, code, curve, width_m, edge, paint_centre, painted }
+    FieldLine { id, label, code, curve, width_m, edge, paint_centre, painted, dash_m }
     FieldModel {
         template, params, length_m, width_m, crown_m, landmarks, lines, line_click_sigma_px,
     }

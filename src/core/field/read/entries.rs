@@ -216,6 +216,14 @@ impl Reader<'_> {
             }
             let width_m =
                 self.scoped_expression(&format!("{part}, width_m"), &file.width_m, &variant)?;
+            let dash_part = format!("{part}, dash_m");
+            let dash_m = match &file.dash_m {
+                Some([dash, gap]) => Some([
+                    self.scoped_expression(&dash_part, dash, &variant)?,
+                    self.scoped_expression(&dash_part, gap, &variant)?,
+                ]),
+                None => None,
+            };
             into.push(LinePart {
                 id,
                 label,
@@ -225,6 +233,7 @@ impl Reader<'_> {
                 edge,
                 inside,
                 painted: file.painted.unwrap_or(true),
+                dash_m,
             });
         }
         self.not_too_many("lines", into.len())

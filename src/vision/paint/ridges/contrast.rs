@@ -105,6 +105,7 @@ mod tests {
             image: ImagePoint::new(40.5, 20.5),
             normal: Vec2::x(),
             width_px: 0.5,
+            painted_share: 1.0,
             outward: 0.0,
         };
         let contrast_at = |offset_px: f64| {
