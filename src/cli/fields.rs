@@ -14,9 +14,9 @@ use touchline_application::render::{Layer, Offscreen, View};
 use touchline_application::scene::OverlayStyle;
 use touchline_application::scene::field_map::{FieldMap, SURROUND, field_map};
 use touchline_application::scene::overlay::OverlayScene;
-use touchline_assets::FIELDS;
 use touchline_core::field::{
-    Curve, FieldLine, FieldModel, Template, builtin, builtin_names, svg, template_named,
+    Curve, FieldLine, FieldModel, Template, builtin, builtin_names, builtin_text, svg,
+    template_named,
 };
 use touchline_core::geometry::{Vec3, decimal};
 
@@ -90,16 +90,13 @@ fn write_template(
     force: bool,
     messages: Messages,
 ) -> anyhow::Result<Outcome> {
-    // A name that is not built in is refused with the list of those that are.
-    builtin(name)?;
+    let text = builtin_text(name)?;
     ensure!(
         ending(path) == "json",
         "{}: a template is a file ending in .json",
         path.display()
     );
     refuse_existing_file(path, force)?;
-    let text = FIELDS.iter().find(|(known, _)| *known == name);
-    let text = text.map_or("", |(_, text)| text);
     write_file(path, text.as_bytes(), force)?;
     let file = path.display();
     messages.note(&format!(

@@ -19,6 +19,7 @@ pub const TESTS: &[Test] = tests![
     [] nothing_open_invites_and_takes_a_typed_path;
     [Adapter] the_sport_is_a_button_under_the_map_and_free_to_change_before_anything_is_named;
     [Adapter] without_a_file_dialog_the_path_is_typed;
+    [Adapter] a_court_that_is_drawn_in_the_field_editor_becomes_the_field;
 ];
 
 fn the_palette_finds_a_command_by_typing() {
@@ -212,6 +213,38 @@ fn the_sport_is_a_button_under_the_map_and_free_to_change_before_anything_is_nam
     window.harness.get_by_label("Basketball (NBA)");
     chord(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(window.app().shown_field_spec().unwrap().template, "soccer");
+}
+
+fn a_court_that_is_drawn_in_the_field_editor_becomes_the_field() {
+    let mut window = Window::open(1, SIZE, 1.0);
+    window.apply(Action::View(ViewAction::EditFieldTemplate(None)));
+    window.harness.run_steps(3);
+    let drawing = window.harness.get_by_label("Drawing of the field").rect();
+    window.press_label("at both ends");
+    // From the far sideline to the near one, a quarter of the length from the middle.
+    let [from, to] = [-0.2, 0.2].map(|down| {
+        drawing.center() + vec2(0.2 * drawing.width(), down * drawing.width())
+    });
+    window.press(from);
+    window.drag(from + vec2(0.0, 20.0));
+    window.drag(to);
+    window.release(to);
+    window.harness.run_steps(3);
+    let lines = |window: &Window| {
+        let draft = window.app().session.field_draft.clone().unwrap();
+        draft.field().unwrap().1.lines.len()
+    };
+    assert_eq!(lines(&window), 6, "the boundary, and one at each end");
+    window.press_label("Take back");
+    window.harness.run_steps(2);
+    assert_eq!(lines(&window), 4);
+    window.press_label("Save and use");
+    window.wait_for(|window| {
+        let spec = window.app().shown_field_spec();
+        spec.is_some_and(|spec| spec.template == "my_court.json")
+    });
+    assert!(window.folder.path().join("my_court.json").exists());
+    assert_eq!(window.app().session.dialog, None);
 }
 
 fn without_a_file_dialog_the_path_is_typed() {

@@ -20,6 +20,27 @@ pub enum Effect {
         /// The template's path as the document writes it.
         name: String,
     },
+    /// Read the text of a template for the field editor and report `DiskReport::TemplateText`.
+    ReadTemplateText {
+        /// The document's file.
+        of: PathBuf,
+        /// The folder to which its relative paths refer.
+        folder: PathBuf,
+        /// The template's path as the document writes it.
+        name: String,
+    },
+    /// Write a field template beside the document and report `DiskReport::TemplateWritten`.
+    WriteTemplate {
+        /// The document's file.
+        of: PathBuf,
+        /// The folder to which its relative paths refer.
+        folder: PathBuf,
+        /// The template's path as the document writes it.
+        name: String,
+        text: String,
+        /// Whether a file of this name is an earlier version of it.
+        replaces: bool,
+    },
     /// Append an edit to the journal.
     Journal {
         edit: Box<Edit>,

@@ -35,7 +35,8 @@ mod update;
 mod window_state;
 
 pub use action::{
-    Action, DiskReport, EditAction, Navigation, PointerAction, SettingsAction, ViewAction,
+    Action, DiskReport, EditAction, FieldChange, Navigation, PointerAction, SettingsAction,
+    ViewAction,
 };
 pub use commands::command::{Command, CommandKind, CommandNeeds, MenuGroup};
 pub use commands::keymap::{Chord, ChordError, Keymap};
@@ -62,7 +63,7 @@ pub use trainer::{
 pub use update::MAX_SCALE;
 pub use window_state::choices::{CameraChoice, MaskList, MaskScope};
 pub use window_state::session::{Question, Tool};
-pub use window_state::{corner_looks, naming, place, reclick, session, video};
+pub use window_state::{corner_looks, field_draft, naming, place, reclick, session, video};
 
 use operation::{Report, RequestId};
 use operations::{ForeignLabels, Operations};

@@ -43,6 +43,9 @@ pub enum JobError {
     /// A document's field is not valid.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// A field template would replace another file.
+    #[error("{}: it exists already; give the template another \"name\"", path.display())]
+    TemplateExists { path: PathBuf },
     /// This window already has the document open.
     #[error("{} is open already", file.display())]
     AlreadyOpen {

@@ -52,21 +52,7 @@ impl Template {
     /// # Errors
     /// As [`Template::from_json`], or the file cannot be read.
     pub fn from_file(path: &Path) -> Result<Self, FieldError> {
-        let place = path.display().to_string();
-        // Reading would refuse a folder as well, but without saying what to give.
-        if path.is_dir() {
-            return Err(FieldError::Unreadable {
-                place,
-                problem: "it is a folder; give the template's JSON file".to_owned(),
-            });
-        }
-        match read_named_text(path, MAX_BYTES) {
-            Ok(text) => Self::from_json(&text, &place),
-            Err(error) => Err(FieldError::Unreadable {
-                place,
-                problem: error.to_string(),
-            }),
-        }
+        Self::from_json(&template_text(path)?, &path.display().to_string())
     }
 
     /// Builds the template at the extremes of its parameters, where it is most likely to be
@@ -84,6 +70,23 @@ impl Template {
         }
         Ok(())
     }
+}
+
+/// The text of a template's file.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn template_text(path: &Path) -> Result<String, FieldError> {
+    // Reading would refuse a folder as well, but without saying what to give.
+    let text = if path.is_dir() {
+        Err("it is a folder; give the template's JSON file".to_owned())
+    } else {
+        read_named_text(path, MAX_BYTES).map_err(|error| error.to_string())
+    };
+    text.map_err(|problem| FieldError::Unreadable {
+        place: path.display().to_string(),
+        problem,
+    })
 }
 
 /// The error of a text that is no field template; `problem` may quote the text.
@@ -107,6 +110,25 @@ pub fn builtin_names() -> Vec<&'static str> {
     FIELDS.iter().map(|(name, _)| *name).collect()
 }
 
+/// The file of a built-in template as text, to make one of its own of it.
+///
+/// # Errors
+/// There is none of this name.
+pub fn builtin_text(name: &str) -> Result<&'static str, FieldError> {
+    let known = FIELDS.iter().find(|(known, _)| *known == name);
+    known
+        .map(|(_, text)| *text)
+        .ok_or_else(|| unknown_template(name))
+}
+
+/// The error of a name that no built-in template has.
+fn unknown_template(name: &str) -> FieldError {
+    FieldError::UnknownTemplate {
+        name: name.to_owned(),
+        known: builtin_names().join(", "),
+    }
+}
+
 /// A built-in template.
 ///
 /// # Errors
@@ -115,10 +137,7 @@ pub fn builtin(name: &str) -> Result<&'static Template, FieldError> {
     let index = FIELDS
         .iter()
         .position(|(known, _)| *known == name)
-        .ok_or_else(|| FieldError::UnknownTemplate {
-            name: name.to_owned(),
-            known: builtin_names().join(", "),
-        })?;
+        .ok_or_else(|| unknown_template(name))?;
     TEMPLATES[index].as_ref().map_err(Clone::clone)
 }
 

@@ -7,6 +7,7 @@
 //! Frames, signs and units: [`crate::conventions`].
 
 mod build;
+mod crossings;
 mod crown;
 mod element;
 mod error;
@@ -26,7 +27,7 @@ pub use crown::Crown;
 pub use element::FieldElement;
 pub use error::FieldError;
 pub use expression::{Expression, ExpressionError};
-pub use load::builtin;
+pub use load::{builtin, builtin_text};
 pub use misnaming::Misnaming;
 pub use model::{Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge};
 pub use symmetry::Symmetry;
@@ -34,7 +35,7 @@ pub use template::{Dimension, Param, Template};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    load::{builtin_names, template_named},
+    load::{builtin_names, template_named, template_text},
     model::CLICKING_SHARE,
     svg::svg,
     template::{MAX_CROWN_M, YARD_M},

@@ -6,6 +6,7 @@
 mod about;
 mod accept_all;
 mod assign;
+mod field_editor;
 mod found_camera;
 mod fuzzy;
 mod gallery;
@@ -43,6 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::About) => about::show(panel, ctx),
         Some(Dialog::Messages) => about::show_messages(panel, ctx),
         Some(Dialog::Sport) => sport::show(panel, ctx),
+        Some(Dialog::FieldEditor) => field_editor::show(panel, ctx),
         Some(Dialog::Guide { page, behind }) => guide::show(panel, ctx, page, behind.is_some()),
         Some(Dialog::Preferences) => preferences::show(panel, ctx),
         Some(Dialog::PictureLook) => overlay_style::show_picture_look(panel, ctx),

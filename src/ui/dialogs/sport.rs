@@ -2,13 +2,14 @@
 
 use super::{has_just_opened, sheet};
 use crate::ui::Panel;
+use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::{PlateStyle, plate};
 use egui::{
-    Align2, Color32, Context, CornerRadius, FontId, Painter, Rect, Response, Role, ScrollArea,
-    Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align2, Button, Color32, Context, CornerRadius, FontId, Painter, Rect, Response, Role,
+    ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
-use touchline_application::app::{App, EditAction};
+use touchline_application::app::{App, EditAction, ViewAction};
 use touchline_application::scene::{Ground, Sport};
 use touchline_core::field::{FieldModel, builtin, builtin_names};
 use touchline_core::geometry::pluralise;
@@ -30,6 +31,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         vec2(660.0, 500.0),
         |panel, ui| {
             theme::text(ui, cost(panel.app));
+            own_template(panel, ui);
             ui.add_space(theme::SPACE);
             let chosen = panel
                 .app
@@ -67,6 +69,22 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 });
         },
     );
+}
+
+/// The button that opens the field editor: for the project's own template, or for a new one.
+fn own_template(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let spec = panel.app.shown_field_spec();
+    let (says, tip) = match spec.filter(|spec| spec.is_file()) {
+        Some(spec) => ("Change the field…", format!("Edit {}.", spec.template)),
+        None => (
+            "A field of your own…",
+            "Draw and type a court that is not here, or one that differs from its rules."
+                .to_owned(),
+        ),
+    };
+    if show_button(ui, Button::new(says).small(), tip) {
+        panel.view(ViewAction::EditFieldTemplate(None));
+    }
 }
 
 /// The names of all templates, those that the user chose last first.

@@ -81,6 +81,8 @@ pub enum EditAction {
     Field(FieldSpec),
     /// Replace the field by another template's.
     ChooseSport(String),
+    /// Keep the template of the field editor beside the project, which uses it from then on.
+    SaveFieldTemplate,
     /// End the series of edits.
     End,
     /// Abort the series of edits: the numbers return to what they were.

@@ -20,6 +20,7 @@ use super::window_state::session::{Filter, Level, PictureView};
 use super::window_state::video::PlaySpeed;
 use super::{Chord, Command};
 use crate::app::project::opened::{Opened, OutsideChoice};
+use crate::app::window_state::field_draft::{DrawnLine, Mirrored};
 use crate::app::window_state::session::Question;
 use crate::scene::shot_list::ShotOrder;
 use crate::scene::{OverlayStyle, PictureLook, Sport};
@@ -98,6 +99,19 @@ impl Action {
     }
 }
 
+/// A change of the template in the field editor.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FieldChange {
+    /// The text was typed.
+    Text(String),
+    /// A line was drawn.
+    Draw(DrawnLine, Mirrored),
+    /// Add landmarks where lines meet or end.
+    AddLandmarks,
+    /// Take back what was drawn or added last.
+    Undo,
+}
+
 /// The result of a request to the disk, or its progress.
 #[derive(Debug, PartialEq)]
 pub enum DiskReport {
@@ -113,6 +127,23 @@ pub enum DiskReport {
         name: String,
         /// The template, or the error.
         template: Result<Box<Template>, FieldError>,
+    },
+    /// The text of a template for the field editor.
+    TemplateText {
+        /// The file of the document that uses it.
+        of: PathBuf,
+        /// The template's path as the document writes it.
+        name: String,
+        text: String,
+    },
+    /// The template in the field editor is in its file.
+    TemplateWritten {
+        /// The file of the document that will use it.
+        of: PathBuf,
+        /// The template's path as the document writes it.
+        name: String,
+        /// The template.
+        template: Box<Template>,
     },
     /// A request failed; the error in one line.
     Failed(String),
@@ -309,6 +340,10 @@ pub enum ViewAction {
     ShowSpan(Option<[f64; 2]>),
     /// Read the field templates again that could not be read.
     ReadFailedTemplatesAgain,
+    /// Open the field editor; with a copy of a template if one is named.
+    EditFieldTemplate(Option<String>),
+    /// Change the template in the field editor.
+    ChangeFieldTemplate(FieldChange),
     CloseDialog,
     /// Show another page of the guide.
     ShowGuidePage(GuidePage),

@@ -7,7 +7,7 @@ pub const fn synonyms(command: Command) -> &'static str {
     use Command as C;
     match command {
         C::ChooseSport => {
-            "pitch court rink field template soccer football basketball NBA FIBA NCAA ice hockey NHL tennis volleyball handball futsal badminton pickleball padel"
+            "pitch court rink field template soccer football basketball NBA FIBA NCAA ice hockey NHL tennis volleyball handball futsal badminton pickleball padel own editor draw"
         }
         C::ConfirmFieldSize | C::FitFieldSize => "pitch dimensions length width",
         C::Accept | C::AcceptAndStay => "approve confirm reference keyframe",

@@ -62,6 +62,8 @@ impl App {
             ViewAction::Notify(level, text) => self.session.notify(level, text),
             ViewAction::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),
             ViewAction::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
+            ViewAction::EditFieldTemplate(copied) => self.edit_field_template(copied.as_deref()),
+            ViewAction::ChangeFieldTemplate(change) => self.change_field_draft(change),
             ViewAction::SetSpeed(speed) => self.session.video.speed = speed,
             ViewAction::PlayTo(frame) => self.play_to(frame),
             ViewAction::Pause => self.pause(),
@@ -124,6 +126,7 @@ impl App {
             EditAction::UseForBase { frame, used } => self.use_for_base(frame, used),
             EditAction::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
             EditAction::ChooseSport(template) => self.choose_sport(&template),
+            EditAction::SaveFieldTemplate => self.save_field_template(),
             EditAction::MoveCut { cut, to } => self.move_cut(cut, to),
         }
     }
@@ -152,6 +155,12 @@ impl App {
             }
             DiskReport::TemplateRead { of, name, template } => {
                 self.template_read(&of, &name, template);
+            }
+            DiskReport::TemplateText { of, name, text } => {
+                self.field_template_text(&of, name, text);
+            }
+            DiskReport::TemplateWritten { of, name, template } => {
+                self.field_template_written(&of, &name, template);
             }
             DiskReport::CameraLoaded(camera) => self.camera_loaded(&camera),
             DiskReport::Saved {

@@ -121,7 +121,7 @@ impl App {
                 SidePanel::Camera => GuidePage::Base,
                 SidePanel::Trainer | SidePanel::Review => GuidePage::Review,
             },
-            Some(Dialog::Sport) => GuidePage::FirstProject,
+            Some(Dialog::Sport | Dialog::FieldEditor) => GuidePage::FirstProject,
             Some(
                 Dialog::Keys
                 | Dialog::Messages

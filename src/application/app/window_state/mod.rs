@@ -5,6 +5,7 @@
 
 pub mod choices;
 pub mod corner_looks;
+pub mod field_draft;
 pub mod naming;
 pub mod place;
 pub mod reclick;

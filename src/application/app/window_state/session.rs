@@ -1,10 +1,12 @@
 //! The state of the window. It is neither saved nor undone.
 
 pub use super::choices::{Filter, is_to_do, status_label};
+
 pub use crate::app::commands::notice::{Level, Messages, Notice, in_row};
 
 use super::choices::{QualityChoice, ReviewChoice, Scope};
 use super::corner_looks::CornerLooks;
+use super::field_draft::FieldDraft;
 use super::naming::{NameCandidate, filter_by_text};
 use super::reclick::Reclick;
 use super::video::VideoState;
@@ -61,6 +63,8 @@ pub struct Session {
     pub picture: PictureDisplay,
     /// What has been written to disk, and what waits for it.
     pub disk: DiskState,
+    /// The field template that the user writes.
+    pub field_draft: Option<FieldDraft>,
 }
 
 /// The points of the shown frame.
@@ -279,6 +283,8 @@ pub enum Dialog {
     Messages,
     /// Choice of the sport, and with it the field.
     Sport,
+    /// A field template of the user's own, as text and drawing.
+    FieldEditor,
     /// Brightness, contrast and gamma of the picture.
     PictureLook,
     /// The user's settings.

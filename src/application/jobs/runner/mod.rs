@@ -21,12 +21,12 @@ mod document;
 mod task;
 
 use self::document::actions_of;
-use self::task::{Kind, Outcome, Task, camera_with_base, save_copy, show_folder};
+use self::task::{Kind, Outcome, Task, camera_with_base, save_copy, show_folder, write_template};
 use super::opening::Ready;
 use super::{Background, BackgroundReport, Saver, SharedPictures, Trainer, Wake};
 use crate::app::operation::{Job, Report};
 use crate::app::{Action, DiskReport, Effect, OutsideOrder, Question};
-use touchline_core::field::template_named;
+use touchline_core::field::{template_named, template_text};
 use touchline_documents::store::Location;
 
 /// An effect that only the window can carry out.
@@ -101,6 +101,27 @@ impl Runner {
                     })))
                 });
             }
+            Effect::ReadTemplateText { of, folder, name } => {
+                self.begin("field template", Kind::Beside, move |_| {
+                    let text = template_text(&folder.join(&name))?;
+                    let read = DiskReport::TemplateText { of, name, text };
+                    Ok(Outcome::Action(Action::Disk(read)))
+                });
+            }
+            Effect::WriteTemplate {
+                of,
+                folder,
+                name,
+                text,
+                replaces,
+            } => self.begin("field template", Kind::Other, move |_| {
+                let template = write_template(&folder.join(&name), &text, replaces)?;
+                Ok(Outcome::Action(Action::Disk(DiskReport::TemplateWritten {
+                    of,
+                    name,
+                    template,
+                })))
+            }),
             Effect::CancelOpening => {
                 self.give_up(|kind| kind == Kind::Opening);
                 self.ready = None;

@@ -7,9 +7,11 @@ use super::Runner;
 use crate::app::{Action, DiskReport};
 use crate::jobs::opening::{Ready, refuse_unwritable};
 use crate::jobs::{Background, BackgroundReport, JobError, Reporter};
+use std::io::ErrorKind;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use touchline_core::field::Template;
 use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store::{self, Location, Store};
 
@@ -139,6 +141,28 @@ pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), J
     refuse_unwritable(&copy, location.folder())?;
     Store::create(&location, &copy)?;
     Ok(())
+}
+
+/// Writes a field template into a file. One that exists is replaced only if it is an earlier version
+/// of it.
+pub(super) fn write_template(
+    path: &Path,
+    text: &str,
+    replaces: bool,
+) -> Result<Box<Template>, JobError> {
+    let template = Template::from_json(text, &path.display().to_string())?;
+    if replaces {
+        store::write_atomically(path, text.as_bytes())
+    } else {
+        store::write_new(path, text.as_bytes())
+    }
+    .map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => JobError::TemplateExists {
+            path: path.to_path_buf(),
+        },
+        _ => JobError::io(path)(error),
+    })?;
+    Ok(Box::new(template))
 }
 
 /// Shows a folder in the system's file manager.

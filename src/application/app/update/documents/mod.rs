@@ -4,6 +4,7 @@
 
 mod cameras;
 mod document;
+mod field_draft;
 mod leaving;
 mod numbers;
 mod outside;

@@ -31,20 +31,31 @@ impl App {
 
     /// Replaces the shown frame's field by that of another sport; one step of undo.
     pub(in crate::app::update) fn choose_sport(&mut self, template: &str) {
+        let Ok(chosen) = builtin(template) else {
+            self.session.dialog = None;
+            self.session
+                .notify(Level::Warning, format!("No field is called {template:?}."));
+            return;
+        };
+        if self.use_template(template) {
+            self.settings.remember_sport(template);
+            self.effects.push(Effect::SaveSettings);
+            let text = format!("Field: {}.", chosen.title);
+            self.session.notify(Level::Info, text);
+        }
+    }
+
+    /// Replaces the shown frame's field by that of a template; one step of undo. Returns whether it
+    /// is another one.
+    pub(super) fn use_template(&mut self, template: &str) -> bool {
         self.session.dialog = None;
         self.session.sport_guess = None;
         let Some(spec) = self
             .shown_field_spec()
             .filter(|spec| spec.template != template)
         else {
-            return;
+            return false;
         };
-        let Ok(chosen) = builtin(template) else {
-            self.session
-                .notify(Level::Warning, format!("No field is called {template:?}."));
-            return;
-        };
-        let title = chosen.title.clone();
         // Parameters belong to a template, except the crown, which every field has.
         let crown = spec.params.get(CROWN).copied();
         let mut changed = FieldSpec {
@@ -54,11 +65,7 @@ impl App {
         changed
             .params
             .extend(crown.map(|crown_m| (CROWN.to_owned(), crown_m)));
-        self.settings.remember_sport(template);
-        self.effects.push(Effect::SaveSettings);
-        if self.edit_field(changed) {
-            self.session.notify(Level::Info, format!("Field: {title}."));
-        }
+        self.edit_field(changed)
     }
 }
 

@@ -1,0 +1,192 @@
+//! The field editor: a template that is written in the window, kept in a file beside the project,
+//! and used by it.
+
+use crate::app::App;
+use crate::app::action::FieldChange;
+use crate::app::effect::Effect;
+use crate::app::window_state::field_draft::FieldDraft;
+use crate::app::window_state::session::{Dialog, Level};
+use std::path::Path;
+use touchline_core::field::Template;
+use touchline_core::geometry::pluralise;
+
+impl App {
+    /// Opens the field editor: with the draft that there is, else with the template of its own that
+    /// the project uses, or with a copy of a built-in template
+    /// if one is named; a name that no template has begins with boundary lines alone.
+    pub(in crate::app::update) fn edit_field_template(&mut self, copied: Option<&str>) {
+        match copied {
+            Some(name) => self.session.field_draft = Some(FieldDraft::begin(name)),
+            None if self.session.field_draft.is_none() => {
+                let (open, spec) = (self.open.as_ref(), self.shown_field_spec());
+                if let Some((open, spec)) = open.zip(spec.filter(|spec| spec.is_file())) {
+                    // The editor opens when the text is there.
+                    return self.effects.push(Effect::ReadTemplateText {
+                        of: open.file.clone(),
+                        folder: open.folder.clone(),
+                        name: spec.template.clone(),
+                    });
+                }
+                self.session.field_draft = Some(FieldDraft::begin(""));
+            }
+            None => {}
+        }
+        self.session.dialog = Some(Dialog::FieldEditor);
+    }
+
+    /// Opens the field editor with the template that the project uses.
+    pub(in crate::app::update) fn field_template_text(
+        &mut self,
+        of: &Path,
+        name: String,
+        text: String,
+    ) {
+        if self.open.as_ref().is_some_and(|open| open.file == of) {
+            self.session.field_draft = Some(FieldDraft::from_file(name, text));
+            self.session.dialog = Some(Dialog::FieldEditor);
+        }
+    }
+
+    /// Changes the draft.
+    pub(in crate::app::update) fn change_field_draft(&mut self, change: FieldChange) {
+        let Some(draft) = &mut self.session.field_draft else {
+            return;
+        };
+        match change {
+            FieldChange::Text(text) => draft.set_text(text),
+            FieldChange::Draw(line, mirrored) => draft.draw(line, mirrored),
+            FieldChange::Undo => draft.undo(),
+            FieldChange::AddLandmarks => {
+                let added = draft.add_landmarks();
+                let text = match added {
+                    0 => "Every place where lines meet or end has its landmark.".to_owned(),
+                    _ => format!(
+                        "{} added where lines meet or end.",
+                        pluralise(added, "landmark")
+                    ),
+                };
+                self.session.notify(Level::Info, text);
+            }
+        }
+    }
+
+    /// Writes the draft into its file beside the project.
+    pub(in crate::app::update) fn save_field_template(&mut self) {
+        if self.is_read_only() {
+            let text = "The document is read-only.";
+            return self.session.notify(Level::Warning, text);
+        }
+        let (Some(open), Some(draft)) = (&self.open, &self.session.field_draft) else {
+            return;
+        };
+        let Some(name) = draft.file_name() else {
+            return;
+        };
+        self.effects.push(Effect::WriteTemplate {
+            of: open.file.clone(),
+            folder: open.folder.clone(),
+            replaces: draft.saved_as.as_ref() == Some(&name),
+            name,
+            text: draft.text().to_owned(),
+        });
+    }
+
+    /// The draft is in its file: the project uses it.
+    pub(in crate::app::update) fn field_template_written(
+        &mut self,
+        of: &Path,
+        name: &str,
+        template: Box<Template>,
+    ) {
+        let Some(open) = self.open.as_mut().filter(|open| open.file == of) else {
+            return;
+        };
+        let title = template.title.clone();
+        open.template_read(name, Ok(template));
+        if let Some(draft) = &mut self.session.field_draft {
+            draft.saved_as = Some(name.to_owned());
+        }
+        self.use_template(name);
+        let text = format!("Field: {title}, kept in {name} beside the project.");
+        self.session.notify(Level::Info, text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, DiskReport, EditAction, ViewAction};
+    use touchline_core::geometry::ImageSize;
+    use touchline_documents::document::Camera;
+    use touchline_documents::testing::{WithFrames, new_frame, soccer_document};
+
+    const SIZE: ImageSize = ImageSize::new(64, 36);
+
+    fn app() -> App {
+        let mut document = soccer_document();
+        document
+            .cameras
+            .push(Camera::new("main".into(), SIZE).into());
+        App::with_document(document.with_frames([new_frame("1.png", SIZE)]))
+    }
+
+    #[test]
+    fn a_saved_draft_becomes_the_field_in_one_step_of_undo() {
+        let mut app = app();
+        app.update(Action::View(ViewAction::EditFieldTemplate(None)));
+        assert_eq!(app.session.dialog, Some(Dialog::FieldEditor));
+        let effects = app.update(Action::Edit(EditAction::SaveFieldTemplate));
+        let written = effects.iter().find_map(|effect| match effect {
+            Effect::WriteTemplate {
+                of,
+                name,
+                text,
+                replaces,
+                ..
+            } => Some((of.clone(), name.clone(), text.clone(), *replaces)),
+            _ => None,
+        });
+        let (of, name, text, replaces) = written.unwrap();
+        assert_eq!((name.as_str(), replaces), ("my_court.json", false));
+        let template = Box::new(Template::from_json(&text, &name).unwrap());
+        app.update(Action::Disk(DiskReport::TemplateWritten {
+            of,
+            name,
+            template,
+        }));
+        assert_eq!(app.shown_field_spec().unwrap().template, "my_court.json");
+        assert_eq!(app.current().field().unwrap().lines.len(), 4);
+        app.update(Action::Command(crate::app::Command::Undo));
+        assert_eq!(app.shown_field_spec().unwrap().template, "soccer");
+
+        // In the next session its file is read again, and replaced by what is saved.
+        app.update(Action::Command(crate::app::Command::Redo));
+        app.session.field_draft = None;
+        let effects = app.update(Action::View(ViewAction::EditFieldTemplate(None)));
+        let reads = |effect: &Effect| matches!(effect, Effect::ReadTemplateText { .. });
+        assert!(effects.iter().any(reads));
+        let of = app.open().unwrap().file.clone();
+        let name = "my_court.json".to_owned();
+        app.update(Action::Disk(DiskReport::TemplateText { of, name, text }));
+        let effects = app.update(Action::Edit(EditAction::SaveFieldTemplate));
+        let replaces =
+            |effect: &Effect| matches!(effect, Effect::WriteTemplate { replaces: true, .. });
+        assert!(effects.iter().any(replaces));
+    }
+
+    #[test]
+    fn a_draft_with_a_mistake_is_not_saved_and_stays_when_the_editor_is_closed() {
+        let mut app = app();
+        app.update(Action::View(ViewAction::EditFieldTemplate(Some(
+            "tennis".to_owned(),
+        ))));
+        let broken = FieldChange::Text("{".to_owned());
+        app.update(Action::View(ViewAction::ChangeFieldTemplate(broken)));
+        let effects = app.update(Action::Edit(EditAction::SaveFieldTemplate));
+        let writes = |effect: &Effect| matches!(effect, Effect::WriteTemplate { .. });
+        assert!(!effects.iter().any(writes));
+        app.update(Action::View(ViewAction::CloseDialog));
+        app.update(Action::View(ViewAction::EditFieldTemplate(None)));
+        assert_eq!(app.session.field_draft.as_ref().unwrap().text(), "{");
+    }
+}
