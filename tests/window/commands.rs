@@ -222,9 +222,8 @@ fn a_court_that_is_drawn_in_the_field_editor_becomes_the_field() {
     let drawing = window.harness.get_by_label("Drawing of the field").rect();
     window.press_label("at both ends");
     // From the far sideline to the near one, a quarter of the length from the middle.
-    let [from, to] = [-0.2, 0.2].map(|down| {
-        drawing.center() + vec2(0.2 * drawing.width(), down * drawing.width())
-    });
+    let [from, to] = [-0.2, 0.2]
+        .map(|down| drawing.center() + vec2(0.2 * drawing.width(), down * drawing.width()));
     window.press(from);
     window.drag(from + vec2(0.0, 20.0));
     window.drag(to);

@@ -95,11 +95,16 @@ fn drawing(panel: &mut Panel<'_>, ui: &Ui, rect: Rect, draft: &FieldDraft, choic
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Drawing of the field"));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.palette().backdrop);
-    let Ok((_, field)) = draft.field() else {
+    let Some(field) = draft.last_field() else {
         return;
     };
     let view = Drawing::new(field, rect);
     view.paint(&painter);
+    if draft.field().is_err() {
+        // The text has a mistake: this is the field before it.
+        painter.rect_filled(rect, 4.0, ui.palette().backdrop.gamma_multiply(0.6));
+        return;
+    }
     let Some(pointer) = response.interact_pointer_pos().or(response.hover_pos()) else {
         return;
     };

@@ -12,11 +12,12 @@ const SAME_PLACE_M: f64 = 0.005;
 /// The template from which a court is drawn: boundary lines alone.
 const BLANK: &str = r#"{
   "format": "touchline-field", "version": 1, "name": "my_court", "title": "My court",
-  "params": {
-    "length_m": { "label": "Length", "unit": "m", "default": 20, "min": 20, "max": 20, "source": "measured" },
-    "width_m": { "label": "Width", "unit": "m", "default": 10, "min": 10, "max": 10, "source": "measured" }
+  "params": {},
+  "dimensions": {
+    "length_m": { "value": 20, "source": "measured" },
+    "width_m": { "value": 10, "source": "measured" },
+    "line_width_m": { "value": 0.05, "source": "measured" }
   },
-  "dimensions": { "line_width_m": { "value": 0.05, "source": "measured" } },
   "extent_m": ["length_m", "width_m"],
   "symmetry": ["mirror_x", "mirror_y", "turn_180"],
   "landmarks": [
@@ -38,6 +39,8 @@ pub struct FieldDraft {
     text: String,
     /// The template and its field with the default parameters, or what is wrong with the text.
     state: Result<(Box<Template>, Arc<FieldModel>), FieldError>,
+    /// The field of the last text that was a template, to be drawn meanwhile.
+    last_field: Option<Arc<FieldModel>>,
     /// The texts before what was drawn or written into it, last last.
     earlier: Vec<String>,
     /// The name under which it was saved: it may replace that file.
@@ -78,8 +81,10 @@ impl FieldDraft {
     }
 
     fn new(text: String, saved_as: Option<String>) -> Self {
+        let state = parse(&text);
         Self {
-            state: parse(&text),
+            last_field: state.as_ref().ok().map(|(_, field)| Arc::clone(field)),
+            state,
             text,
             earlier: Vec::new(),
             saved_as,
@@ -99,6 +104,11 @@ impl FieldDraft {
         state.map(|(template, field)| (&**template, field))
     }
 
+    /// The field of the last text that was a template.
+    pub fn last_field(&self) -> Option<&Arc<FieldModel>> {
+        self.last_field.as_ref()
+    }
+
     /// The name of its file, beside the project.
     pub fn file_name(&self) -> Option<String> {
         let (template, _) = self.state.as_ref().ok()?;
@@ -110,6 +120,9 @@ impl FieldDraft {
         if self.text != text {
             self.state = parse(&text);
             self.text = text;
+            if let Ok((_, field)) = &self.state {
+                self.last_field = Some(Arc::clone(field));
+            }
         }
     }
 
