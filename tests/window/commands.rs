@@ -244,6 +244,9 @@ fn a_court_that_is_drawn_in_the_field_editor_becomes_the_field() {
     });
     assert!(window.folder.path().join("my_court.json").exists());
     assert_eq!(window.app().session.dialog, None);
+    assert_eq!(window.app().current().field().unwrap().lines.len(), 4);
+    chord(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().shown_field_spec().unwrap().template, "soccer");
 }
 
 fn without_a_file_dialog_the_path_is_typed() {

@@ -106,8 +106,11 @@ impl App {
         if let Some(draft) = &mut self.session.field_draft {
             draft.saved_as = Some(name.to_owned());
         }
-        self.use_template(name);
-        let text = format!("Field: {title}, kept in {name} beside the project.");
+        let text = if self.use_template(name) {
+            format!("Field: {title}, kept in {name} beside the project.")
+        } else {
+            format!("{title} is kept in {name} beside the project.")
+        };
         self.session.notify(Level::Info, text);
     }
 }
@@ -130,48 +133,45 @@ mod tests {
         App::with_document(document.with_frames([new_frame("1.png", SIZE)]))
     }
 
-    #[test]
-    fn a_saved_draft_becomes_the_field_in_one_step_of_undo() {
-        let mut app = app();
-        app.update(Action::View(ViewAction::EditFieldTemplate(None)));
-        assert_eq!(app.session.dialog, Some(Dialog::FieldEditor));
-        let effects = app.update(Action::Edit(EditAction::SaveFieldTemplate));
-        let written = effects.iter().find_map(|effect| match effect {
+    /// The file that an action writes: its name, its text, and whether it replaces one.
+    fn written(effects: &[Effect]) -> Option<(&str, &str, bool)> {
+        effects.iter().find_map(|effect| match effect {
             Effect::WriteTemplate {
-                of,
                 name,
                 text,
                 replaces,
                 ..
-            } => Some((of.clone(), name.clone(), text.clone(), *replaces)),
+            } => Some((name.as_str(), text.as_str(), *replaces)),
             _ => None,
-        });
-        let (of, name, text, replaces) = written.unwrap();
-        assert_eq!((name.as_str(), replaces), ("my_court.json", false));
-        let template = Box::new(Template::from_json(&text, &name).unwrap());
-        app.update(Action::Disk(DiskReport::TemplateWritten {
-            of,
-            name,
-            template,
-        }));
-        assert_eq!(app.shown_field_spec().unwrap().template, "my_court.json");
-        assert_eq!(app.current().field().unwrap().lines.len(), 4);
-        app.update(Action::Command(crate::app::Command::Undo));
-        assert_eq!(app.shown_field_spec().unwrap().template, "soccer");
+        })
+    }
 
-        // In the next session its file is read again, and replaced by what is saved.
-        app.update(Action::Command(crate::app::Command::Redo));
-        app.session.field_draft = None;
-        let effects = app.update(Action::View(ViewAction::EditFieldTemplate(None)));
-        let reads = |effect: &Effect| matches!(effect, Effect::ReadTemplateText { .. });
-        assert!(effects.iter().any(reads));
-        let of = app.open().unwrap().file.clone();
-        let name = "my_court.json".to_owned();
-        app.update(Action::Disk(DiskReport::TemplateText { of, name, text }));
+    #[test]
+    fn a_draft_replaces_no_file_but_its_own() {
+        let mut app = app();
+        app.update(Action::View(ViewAction::EditFieldTemplate(None)));
+        assert_eq!(app.session.dialog, Some(Dialog::FieldEditor));
         let effects = app.update(Action::Edit(EditAction::SaveFieldTemplate));
-        let replaces =
-            |effect: &Effect| matches!(effect, Effect::WriteTemplate { replaces: true, .. });
-        assert!(effects.iter().any(replaces));
+        let (name, text, replaces) = written(&effects).unwrap();
+        assert_eq!((name, replaces), ("my_court.json", false));
+        let of = app.open().unwrap().file.clone();
+        app.update(Action::Disk(DiskReport::TemplateWritten {
+            of: of.clone(),
+            name: name.to_owned(),
+            template: Box::new(Template::from_json(text, name).unwrap()),
+        }));
+        let effects = app.update(Action::Edit(EditAction::SaveFieldTemplate));
+        assert!(written(&effects).unwrap().2);
+
+        // The file of the project's field in a later session is its own, too.
+        app.update(Action::Disk(DiskReport::TemplateText {
+            of,
+            name: "my_tennis.json".to_owned(),
+            text: FieldDraft::begin("tennis").text().to_owned(),
+        }));
+        let effects = app.update(Action::Edit(EditAction::SaveFieldTemplate));
+        let (name, _, replaces) = written(&effects).unwrap();
+        assert_eq!((name, replaces), ("my_tennis.json", true));
     }
 
     #[test]
@@ -183,8 +183,7 @@ mod tests {
         let broken = FieldChange::Text("{".to_owned());
         app.update(Action::View(ViewAction::ChangeFieldTemplate(broken)));
         let effects = app.update(Action::Edit(EditAction::SaveFieldTemplate));
-        let writes = |effect: &Effect| matches!(effect, Effect::WriteTemplate { .. });
-        assert!(!effects.iter().any(writes));
+        assert_eq!(written(&effects), None);
         app.update(Action::View(ViewAction::CloseDialog));
         app.update(Action::View(ViewAction::EditFieldTemplate(None)));
         assert_eq!(app.session.field_draft.as_ref().unwrap().text(), "{");
