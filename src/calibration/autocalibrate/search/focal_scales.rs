@@ -177,7 +177,7 @@ fn try_focal_scales(
             shown = Some(view_panorama(matched, &frames.rotations, panorama, None));
         }
         let of = percents.len().max(USUAL_ROUNDS);
-        report(progress, begin_round(places, [done, of], &shown))?;
+        report(progress, begin_round(places, [done, of], shown.as_ref()))?;
         done += 1;
         match at_scale {
             Ok((frames, panorama)) => {
@@ -212,7 +212,7 @@ fn try_focal_scales(
     if let Some(why) = refused.filter(|_| rotations.is_empty()) {
         return Err(why.into());
     }
-    report(progress, begin_round(places, [done, done], &shown))?;
+    report(progress, begin_round(places, [done, done], shown.as_ref()))?;
     // Poses of all scales compete; the sort is stable.
     found.sort_by(|a, b| b.scored.score().total_cmp(&a.scored.score()));
     Ok(PosesByFocalScale {
@@ -225,13 +225,13 @@ fn try_focal_scales(
 fn begin_round(
     places: usize,
     [done, of]: [usize; 2],
-    panorama: &Option<Arc<SearchedPanorama>>,
+    panorama: Option<&Arc<SearchedPanorama>>,
 ) -> AutocalibrationProgress {
     AutocalibrationProgress::Trying {
         places,
         done,
         of,
-        panorama: panorama.clone(),
+        panorama: panorama.map(Arc::clone),
     }
 }
 
