@@ -1,8 +1,8 @@
 //! The painted lines: how much of a pixel's patch of ground is white.
 
-use super::coverage::strip;
+use super::coverage::{comb, strip};
 use super::ray::PlaneHit;
-use touchline_core::field::{Curve, FieldLine, FieldModel, PaintEdge};
+use touchline_core::field::{Curve, FieldLine, FieldModel, Landmark, PaintEdge};
 use touchline_core::geometry::Vec3;
 
 /// Side of the cells in which the lines near a place are looked up, m.
@@ -13,7 +13,7 @@ const MARGIN_M: f64 = 3.0;
 /// The painted lines of a field, ready to be looked up at any place.
 #[derive(Clone, Debug)]
 pub(super) struct Paint {
-    markings: Vec<PaintedShape>,
+    markings: Vec<Marking>,
     columns: usize,
     rows: usize,
     corner: [f64; 2],
@@ -21,7 +21,14 @@ pub(super) struct Paint {
     cells: Vec<Vec<u16>>,
 }
 
-/// A painted marking, seen from above.
+/// A painted marking: its shape and, if it is dashed, from dash to dash and a dash's length, m.
+#[derive(Clone, Copy, Debug)]
+struct Marking {
+    shape: PaintedShape,
+    dashes: Option<[f64; 2]>,
+}
+
+/// The shape of a painted marking, seen from above.
 #[derive(Clone, Copy, Debug)]
 enum PaintedShape {
     Straight {
@@ -45,19 +52,24 @@ enum PaintedShape {
 }
 
 impl Paint {
-    pub fn new(field: &FieldModel) -> Self {
-        let spots = field.landmarks.iter().filter_map(|landmark| {
-            let radius_m = 0.5 * landmark.spot_diameter_m?;
-            Some(PaintedShape::Spot {
-                centre: landmark.nominal_m,
-                radius_m,
-            })
-        });
-        let markings: Vec<PaintedShape> = field
+    /// The lines and spots whose name is wanted, dashed where `dashes` says how.
+    pub fn new(
+        field: &FieldModel,
+        is_wanted: impl Fn(&str) -> bool,
+        dashes: impl Fn(&str) -> Option<[f64; 2]>,
+    ) -> Self {
+        let spots = field
+            .landmarks
+            .iter()
+            .filter(|landmark| is_wanted(landmark.id.as_str()))
+            .filter_map(Marking::from_spot);
+        let markings: Vec<Marking> = field
             .lines
             .iter()
-            .filter(|line| line.painted)
-            .map(PaintedShape::from_field_line)
+            .filter(|line| is_wanted(line.id.as_str()))
+            .map(|line| (line, dashes(line.id.as_str())))
+            .filter(|(line, dashes)| line.painted || dashes.is_some())
+            .map(|(line, dashes)| Marking::from_field_line(line, dashes))
             .chain(spots)
             .collect();
         // A grid of cells with the markings near each, since most pixels of grass have none and the
@@ -76,7 +88,7 @@ impl Paint {
             );
             // A pixel at the cell's rim may reach half a metre out of it.
             let reach = CELL_M * std::f64::consts::FRAC_1_SQRT_2 + 0.5;
-            let is_near = |marking: &PaintedShape| marking.distance_m(centre) < reach;
+            let is_near = |marking: &Marking| marking.shape.distance_m(centre) < reach;
             (0..markings.len())
                 .filter(|index| is_near(&markings[*index]))
                 .map(|index| index as u16)
@@ -107,6 +119,33 @@ impl Paint {
             .iter()
             .map(|index| self.markings[*index as usize].share(hit))
             .fold(0.0, f64::max)
+    }
+}
+
+impl Marking {
+    fn from_spot(landmark: &Landmark) -> Option<Self> {
+        let radius_m = 0.5 * landmark.spot_diameter_m?;
+        let centre = landmark.nominal_m;
+        Some(Self {
+            shape: PaintedShape::Spot { centre, radius_m },
+            dashes: None,
+        })
+    }
+
+    fn from_field_line(line: &FieldLine, dashes: Option<[f64; 2]>) -> Self {
+        Self {
+            shape: PaintedShape::from_field_line(line),
+            dashes,
+        }
+    }
+
+    fn share(&self, hit: &PlaneHit) -> f64 {
+        let share = self.shape.share(hit);
+        let Some([spacing, dash]) = self.dashes.filter(|_| share > 0.0) else {
+            return share;
+        };
+        let (at, along) = self.shape.along(hit.point);
+        share * comb(at, spacing, dash, hit.reach(along))
     }
 }
 
@@ -143,6 +182,21 @@ impl PaintedShape {
                 half_sweep: 0.5 * sweep.radians().abs(),
                 half_width_m,
             },
+        }
+    }
+
+    /// How far along the marking a place lies, m, and the direction in which that grows.
+    fn along(&self, place: Vec3) -> (f64, Vec3) {
+        match *self {
+            Self::Straight { from, along, .. } => ((place - from).dot(&along), along),
+            Self::Round {
+                centre, radius_m, ..
+            }
+            | Self::Spot { centre, radius_m } => {
+                let offset = place - centre;
+                let angle = offset.y.atan2(offset.x);
+                (angle * radius_m, Vec3::new(-angle.sin(), angle.cos(), 0.0))
+            }
         }
     }
 
