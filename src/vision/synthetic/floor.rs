@@ -49,7 +49,7 @@ pub(super) const SURFACES: [Finish; 6] = [
         boards: [0.07, 1.6, 0.13],
         seam: 0.45,
         gloss: 0.75,
-        smear_px: 7.0,
+        smear_px: 20.0,
         paint_left: 1.0,
     },
     Finish {
@@ -74,11 +74,11 @@ pub(super) const SURFACES: [Finish; 6] = [
         paint_left: 0.86,
     },
     Finish {
-        grain: &[(5.0, 5.0, 0.03), (1.9, 0.05, 0.04), (0.06, 1.7, 0.04)],
+        grain: &[(5.0, 5.0, 0.03), (1.3, 0.04, 0.02), (0.05, 1.1, 0.02)],
         boards: [0.0; 3],
         seam: 0.0,
         gloss: 0.9,
-        smear_px: 11.0,
+        smear_px: 30.0,
         paint_left: 0.95,
     },
     Finish {
@@ -86,7 +86,7 @@ pub(super) const SURFACES: [Finish; 6] = [
         boards: [1.8, 15.0, 0.025],
         seam: 0.3,
         gloss: 0.3,
-        smear_px: 16.0,
+        smear_px: 40.0,
         paint_left: 1.0,
     },
     Finish {
@@ -351,13 +351,14 @@ pub(super) fn grain_tone(
 
 /// The lamps under the ceiling of a hall, mirrored by a floor: how bright they are along a ray.
 pub(super) fn ceiling_lamps(ray: &Ray) -> Light {
-    // Rows of lamps of 1.4 × 0.6 m, 14 m up, 7 m apart along the hall and 5 m across.
+    // Rows of lamps of 1.4 × 0.8 m, 14 m up, 9 m apart along the hall and 6 m across; 8 is their
+    // light where paper in full light is 1.
     let Some(hit) = ray.meets(Vec3::z() * 14.0, Vec3::z()) else {
         return Light::zeros();
     };
-    let along = comb(hit.point.x, 7.0, 1.4, hit.reach(Vec3::x()));
-    let across = comb(hit.point.y, 5.0, 0.6, hit.reach(Vec3::y()));
-    Light::repeat((14.0 * along * across) as f32)
+    let along = comb(hit.point.x, 9.0, 1.4, hit.reach(Vec3::x()));
+    let across = comb(hit.point.y, 6.0, 0.8, hit.reach(Vec3::y()));
+    Light::repeat((8.0 * along * across) as f32)
 }
 
 /// The logo of the hall: a ring with a word across it.

@@ -25,7 +25,7 @@ const GRAIN: [(f32, f32, f32); 6] = [
 pub(super) struct Ground {
     seed: u32,
     /// The floor of a court; none: grass alone.
-    pub floor: Option<Floor>,
+    floor: Option<Floor>,
     /// What is painted on it, one layer over the other.
     lines: Vec<LineLayer>,
     paint_left: f32,
@@ -84,13 +84,20 @@ impl Ground {
         point.x.abs() < self.half_length + behind && point.y < self.half_width + beside
     }
 
+    /// The floor of a court at a place; none on grass, and beyond the boards of a rink.
+    pub fn floor_at(&self, point: Vec3) -> Option<&Floor> {
+        self.floor
+            .as_ref()
+            .filter(|floor| !floor.is_beyond_rink(point))
+    }
+
     /// The reflectance of the ground under a pixel.
     pub fn albedo(&self, hit: &PlaneHit) -> Light {
-        let beyond_rink = |floor: &Floor| floor.is_beyond_rink(hit.point);
-        if !self.is_inside_boards(hit.point) || self.floor.as_ref().is_some_and(beyond_rink) {
+        let floor = self.floor_at(hit.point);
+        if !self.is_inside_boards(hit.point) || floor.is_none() && self.floor.is_some() {
             return self.apron(hit);
         }
-        let ground = match &self.floor {
+        let ground = match floor {
             Some(floor) => floor.albedo(hit, || self.turf(hit)),
             None => self.turf(hit),
         };

@@ -156,11 +156,12 @@ impl PaintedShape {
             Curve::Segment { from, to } => {
                 let length_m = (to - from).norm();
                 // Paint centred on its line is drawn half a width over the end, so that corners are
-                // full; where the nominal line is the paint's edge, the end is the corner already.
-                let over_m = if line.edge == PaintEdge::Centre {
-                    half_width_m
-                } else {
-                    0.0
+                // full, and paint around an area a whole width; where the nominal line is the
+                // paint's outer edge, the end is the corner already.
+                let over_m = match line.edge {
+                    PaintEdge::Centre => half_width_m,
+                    PaintEdge::Inner => line.width_m,
+                    PaintEdge::Outer => 0.0,
                 };
                 Self::Straight {
                     from,

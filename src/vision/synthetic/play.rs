@@ -181,8 +181,8 @@ impl Play {
         // A goalkeeper is farther out the farther the ball is; the referee follows the play behind
         // it; each assistant runs along one half of a touchline.
         let keeper = |sign: f64| {
-            let out =
-                self.press_m * (0.375 + 1.125 * (0.5 - 0.5 * sign * ball_share[0]).clamp(0.0, 1.0));
+            let near = (0.5 - 0.5 * sign * ball_share[0]).clamp(0.0, 1.0);
+            let out = 0.375 * self.press_m + 1.125 * self.press_m * near;
             [
                 sign * (self.half_length - out),
                 0.11 * ball.y + smooth_walk(self.seed ^ 0x28, time_s / 3.0),
@@ -192,12 +192,13 @@ impl Play {
             places.push((Side::HomeKeeper, keeper(-1.0)));
             places.push((Side::AwayKeeper, keeper(1.0)));
         }
+        let roam_m = 0.375 * self.press_m;
         let referee = [
-            (ball.x * 0.8
-                - self.press_m * (1.0 - 0.375 * smooth_walk(self.seed ^ 0x32, time_s / 3.0)))
-            .clamp(-self.half_length, self.half_length),
+            (ball.x * 0.8 - self.press_m + roam_m * smooth_walk(self.seed ^ 0x32, time_s / 3.0))
+                .clamp(-self.half_length, self.half_length),
             (ball.y * 0.6
-                + self.press_m * (1.125 + 0.375 * smooth_walk(self.seed ^ 0x33, time_s / 3.3)))
+                + 1.125 * self.press_m
+                + roam_m * smooth_walk(self.seed ^ 0x33, time_s / 3.3))
             .clamp(-self.half_width, self.half_width),
         ];
         if !self.squad.has_net {

@@ -137,7 +137,7 @@ impl Stadium {
             .ground
             .albedo(hit)
             .component_mul(&self.lighting.on_ground(hit.point));
-        let floor = self.ground.floor.as_ref().filter(|_| surface == GRASS);
+        let floor = self.ground.floor_at(hit.point).filter(|_| surface == GRASS);
         if let Some((mirrored, share)) = floor.and_then(|floor| floor.mirror(ray)) {
             light = mix(light, self.mirror_image(&mirrored), share);
         }
