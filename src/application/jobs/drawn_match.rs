@@ -22,7 +22,7 @@ use touchline_documents::store::{Location, PROJECT_FILE, Store, write_atomically
 use touchline_vision::media::{MediaError, sha256_of_bytes};
 use touchline_vision::synthetic::{
     ClickOptions, ClickTarget, FrameOptions, Graphics, Mover, PathStep, Preset, RenderedFrame,
-    ShootOptions, Side, Stadium, StadiumOptions, camera_path, generate_clicks, stadium,
+    Setting, ShootOptions, Side, Stadium, StadiumOptions, camera_path, generate_clicks, stadium,
 };
 
 /// Margin of a mask around the score graphic, px.
@@ -39,6 +39,8 @@ pub struct MatchOrder {
     pub frames: usize,
     /// Seed of the stadium, the match and the camera's path.
     pub seed: u64,
+    /// What is drawn, and from where.
+    pub setting: Setting,
     /// Size of the frames, px.
     pub image_size: ImageSize,
     /// Lens, light and sensor.
@@ -75,6 +77,7 @@ impl MatchOrder {
         Self {
             frames: 27,
             seed: 5,
+            setting: Setting::default(),
             image_size,
             shoot,
             masks: false,
@@ -119,13 +122,16 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
     order: &MatchOrder,
     take: &mut dyn FnMut(DrawnPicture) -> Result<(), E>,
 ) -> Result<DrawnMatch, E> {
-    let spec = FieldSpec::new("soccer");
+    let spec = FieldSpec::new(order.setting.scene().template());
     let field = builtin(&spec.template)?.default_model()?;
+    let (base, shoot) = order
+        .shoot
+        .in_setting(order.setting, &field, order.image_size, order.seed);
     let scene = stadium(&StadiumOptions {
-        daylight: order.shoot.daylight,
+        scene: order.setting.scene(),
+        daylight: shoot.daylight,
         ..StadiumOptions::new(field, order.seed)
     });
-    let base = order.shoot.main_camera(order.image_size);
     let mut project = Document::new(spec);
     let masked = if order.unmasked {
         Graphics::NONE
@@ -137,10 +143,10 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
         .cameras
         .push(main_camera(&base, order.image_size, masked).into());
     let mut truth = project.clone();
-    let path = camera_path(&scene, &base, order.image_size, &order.shoot, order.frames);
+    let path = camera_path(&scene, &base, order.image_size, &shoot, order.frames);
     let mut references = 0;
     for (index, step) in path.iter().enumerate() {
-        let options = order.shoot.frame(index, step, order.image_size, order.seed);
+        let options = shoot.frame(index, step, order.image_size, order.seed);
         let options = FrameOptions {
             graphics: order.graphics,
             ..options
@@ -148,7 +154,7 @@ pub fn draw_match<E: From<FieldError> + From<ImageError>>(
         let camera = PtzCamera::new(base, step.ptz);
         let drawn = scene.render(&camera, order.image_size, &options);
         let image = format!("images/{:04}.jpg", index + 1);
-        let jpeg = jpeg(&drawn, order.shoot.jpeg_quality)?;
+        let jpeg = jpeg(&drawn, shoot.jpeg_quality)?;
         let mut frame = Frame::from_image(&image, CameraId::from("main"), order.image_size);
         frame.sha256 = Some(sha256_of_bytes(&jpeg));
         truth

@@ -10,7 +10,9 @@ use touchline_application::jobs::{DrawnPicture, MatchOrder, draw_match};
 use touchline_core::geometry::{ImageSize, pluralise};
 use touchline_documents::document::document_to_string;
 use touchline_documents::store::{Location, PROJECT_FILE, write_document};
-use touchline_vision::synthetic::{Graphics, Preset, ShootOptions};
+use touchline_vision::synthetic::{
+    CameraSide, Graphics, Preset, Scene, SceneError, Setting, ShootOptions,
+};
 
 /// The file beside the project with the exact cameras.
 const TRUTH_FILE: &str = "truth.json";
@@ -35,9 +37,16 @@ pub struct SynthArgs {
     /// Chooses the stadium, the match and the camera's path.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// What is drawn.
-    #[arg(long, value_enum, default_value_t)]
+    /// What is drawn: stadium, basketball, hockey, tennis, badminton, volleyball, handball or
+    /// football (American).
+    #[arg(long, default_value = "stadium")]
     scene: Scene,
+    /// Where the camera stands: side, end or corner; by default where it usually does.
+    #[arg(long, value_name = "PLACE")]
+    camera: Option<CameraSide>,
+    /// A camera that neither pans, tilts nor zooms, and shows the whole field.
+    #[arg(long)]
+    still: bool,
     /// The size of the frames, px.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", value_parser = image_size)]
     size: ImageSize,
@@ -68,19 +77,11 @@ pub struct SynthArgs {
     unmasked: bool,
     /// Draw the demo project that comes with the program: a third of its frames are solved
     /// references.
-    #[arg(long, conflicts_with_all = ["frames", "seed", "preset", "quality", "step", "size", "masks", "graphics", "unmasked"])]
+    #[arg(long, conflicts_with_all = ["frames", "seed", "scene", "camera", "still", "preset", "quality", "step", "size", "masks", "graphics", "unmasked"])]
     demo: bool,
     /// Draw over an earlier match; files of other names stay.
     #[arg(long)]
     force: bool,
-}
-
-/// A scene that can be drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-enum Scene {
-    /// A football match in a stadium.
-    #[default]
-    Stadium,
 }
 
 /// A graphic over the picture.
@@ -97,14 +98,18 @@ enum Graphic {
 }
 
 /// The match that the arguments describe.
-fn order_of(args: &SynthArgs) -> MatchOrder {
+///
+/// # Errors
+/// The scene has no camera there.
+fn order_of(args: &SynthArgs) -> Result<MatchOrder, SceneError> {
     if args.demo {
-        return MatchOrder::demo();
+        return Ok(MatchOrder::demo());
     }
     let preset = args.preset.shoot();
     let shoot = ShootOptions {
         jpeg_quality: args.quality.unwrap_or(preset.jpeg_quality),
         step_s: args.step.unwrap_or(preset.step_s),
+        is_still: args.still,
         ..preset
     };
     let (frames, seed, image_size, masks) =
@@ -118,16 +123,17 @@ fn order_of(args: &SynthArgs) -> MatchOrder {
         watermark: shows(Graphic::Watermark),
         ..Graphics::NONE
     };
-    MatchOrder {
+    Ok(MatchOrder {
         frames,
         seed,
+        setting: Setting::new(args.scene, args.camera)?,
         image_size,
         shoot,
         masks,
         graphics,
         unmasked: args.unmasked,
         references: 0.0,
-    }
+    })
 }
 
 /// Draws the match and writes its pictures, its project and its truth.
@@ -135,11 +141,10 @@ fn order_of(args: &SynthArgs) -> MatchOrder {
 /// # Errors
 /// The folder has other content and `--force` was not given, or a file cannot be written.
 pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
-    let Scene::Stadium = args.scene;
+    let order = order_of(args)?;
     refuse_existing(&args.output, args.force)?;
     refuse_file(&args.output, "the match")?;
     refuse_other_project(&args.output)?;
-    let order = order_of(args);
     fs::create_dir_all(args.output.join("images"))
         .with_context(|| format!("cannot make {}", args.output.display()))?;
     let unfinished = args.output.join(UNFINISHED_FILE);

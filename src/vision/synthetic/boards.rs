@@ -74,13 +74,10 @@ pub(super) struct BoardHit {
 }
 
 impl Boards {
-    pub fn new(seed: u64, field: &FieldModel) -> Self {
+    pub fn new(seed: u64, field: &FieldModel, [behind, beside]: [f64; 2]) -> Self {
         // Each row goes from left to right as it is read from the pitch.
         let seed = sub_seed(seed, 0xB0A2);
-        let (x, y) = (
-            0.5 * field.length_m + BEHIND_GOAL_LINE_M,
-            0.5 * field.width_m + BEHIND_TOUCHLINE_M,
-        );
+        let (x, y) = (0.5 * field.length_m + behind, 0.5 * field.width_m + beside);
         let row = |start: Vec3, end: Vec3, salt: i32| {
             let length_m = (end - start).norm();
             let along = (end - start) / length_m;

@@ -1,12 +1,12 @@
 //! The ground: mown stripes, worn places and grain that differs from place to place, and what lies
 //! beyond the grass.
 
-use super::boards::{BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M};
+use super::floor::{Floor, LineLayer, grain_tone, line_layers};
 use super::light::{Light, hex, mix, smooth_step};
+use super::options::StadiumOptions;
 use super::paint::Paint;
 use super::ray::PlaneHit;
 use super::texture::{hash, sub_seed, survives, unit, value_noise};
-use touchline_core::field::FieldModel;
 use touchline_core::geometry::Vec3;
 
 /// Grain of the turf: size along x and y (m) and strength. Blades lie along y, the way the mower
@@ -24,8 +24,13 @@ const GRAIN: [(f32, f32, f32); 6] = [
 #[derive(Clone, Debug)]
 pub(super) struct Ground {
     seed: u32,
-    paint: Paint,
+    /// The floor of a court; none: grass alone.
+    floor: Option<Floor>,
+    /// What is painted on it, one layer over the other.
+    lines: Vec<LineLayer>,
     paint_left: f32,
+    /// From goal lines and touchlines to the boards, m.
+    boards_m: [f64; 2],
     half_length: f64,
     half_width: f64,
     stripe_m: f64,
@@ -36,8 +41,12 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    pub fn new(seed: u64, field: &FieldModel, paint_left: f64) -> Self {
-        let seed = sub_seed(seed, 0x62A5);
+    pub fn new(options: &StadiumOptions) -> Self {
+        let (field, court) = (&options.field, options.scene.court());
+        let floor = court.map(|court| Floor::new(options.seed, court, field));
+        let all = || vec![LineLayer::new(Paint::new(field, |_| true), hex(0xF3_F5EE))];
+        let finish_left = floor.as_ref().map_or(1.0, |floor| floor.finish.paint_left);
+        let seed = sub_seed(options.seed, 0x62A5);
         let (half_length, half_width) = (0.5 * field.length_m, 0.5 * field.width_m);
         // Boots wear the centre spot, the goal mouths, the penalty spots, and the near touchline
         // where an assistant runs.
@@ -51,8 +60,10 @@ impl Ground {
         let hue = unit(hash(seed, 1, 1));
         Self {
             seed,
-            paint: Paint::new(field),
-            paint_left: paint_left.clamp(0.0, 1.0) as f32,
+            floor,
+            lines: court.map_or_else(all, |court| line_layers(court, field)),
+            paint_left: finish_left * options.paint_left.clamp(0.0, 1.0) as f32,
+            boards_m: options.boards_m(),
             half_length,
             half_width,
             stripe_m: field.length_m / (field.length_m / 5.5).round().max(1.0),
@@ -64,19 +75,36 @@ impl Ground {
 
     /// The boards stand around the grass: whether a place is inside them.
     pub fn is_inside_boards(&self, point: Vec3) -> bool {
-        point.x.abs() < self.half_length + BEHIND_GOAL_LINE_M
-            && point.y < self.half_width + BEHIND_TOUCHLINE_M
+        let [behind, beside] = self.boards_m;
+        point.x.abs() < self.half_length + behind && point.y < self.half_width + beside
+    }
+
+    /// The floor of a court at a place; none on grass, and beyond the boards of a rink.
+    pub fn floor_at(&self, point: Vec3) -> Option<&Floor> {
+        self.floor
+            .as_ref()
+            .filter(|floor| !floor.is_beyond_rink(point))
     }
 
     /// The reflectance of the ground under a pixel.
     pub fn albedo(&self, hit: &PlaneHit) -> Light {
-        if !self.is_inside_boards(hit.point) {
+        let floor = self.floor_at(hit.point);
+        if !self.is_inside_boards(hit.point) || floor.is_none() && self.floor.is_some() {
             return self.apron(hit);
         }
-        let turf = self.turf(hit);
-        let share = self.paint.share(hit) as f32;
+        let ground = match floor {
+            Some(floor) => floor.albedo(hit, || self.turf(hit)),
+            None => self.turf(hit),
+        };
+        let painted = |below: Light, layer: &LineLayer| self.paint_over(below, layer, hit);
+        self.lines.iter().fold(ground, painted)
+    }
+
+    /// The ground with one layer of lines over it.
+    fn paint_over(&self, below: Light, layer: &LineLayer, hit: &PlaneHit) -> Light {
+        let share = layer.share(hit);
         if share == 0.0 {
-            return turf;
+            return below;
         }
         // Paint that is partly gone goes in patches of a metre or two; fresh paint has a fine
         // unevenness through which a little grass shows.
@@ -85,25 +113,14 @@ impl Ground {
             1.0 + (1.0 - self.paint_left) * 0.8 * value_noise(self.seed ^ 0x2C, x / 1.6, y / 1.6);
         let painted = share * (self.paint_left * patches).clamp(0.0, 1.0);
         let thin = 0.5 + 0.5 * value_noise(self.seed ^ 0x1A1, x / 0.5, y / 0.5);
-        let chalk = hex(0xF3_F5EE) * (0.9 - 0.05 * thin);
-        mix(turf, mix(chalk, turf, 0.05 * thin), painted)
+        let chalk = layer.colour * (0.9 - 0.05 * thin);
+        mix(below, mix(chalk, below, 0.05 * thin), painted)
     }
 
     fn turf(&self, hit: &PlaneHit) -> Light {
         let (x, y) = (hit.point.x as f32, hit.point.y as f32);
         let (reach_x, reach_y) = (hit.reach(Vec3::x()) as f32, hit.reach(Vec3::y()) as f32);
-        // Octaves of noise, each as far as the pixel leaves it: grain finer than a pixel fades to
-        // its mean, 0, instead of aliasing.
-        let mut tone = 1.0;
-        for (octave, (size_x, size_y, strength)) in GRAIN.iter().enumerate() {
-            let left = survives(reach_x, *size_x) * survives(reach_y, *size_y);
-            if left > 0.0 {
-                let seed = self.seed ^ (octave as u32 + 1).wrapping_mul(0x0123_4567);
-                // Turned a little, so that the lattice does not line up with the lines.
-                let (u, v) = (x + 0.13 * y, y - 0.13 * x);
-                tone += strength * left * value_noise(seed, u / size_x, v / size_y);
-            }
-        }
+        let tone = grain_tone(self.seed, &GRAIN, [x, y], [reach_x, reach_y]);
         let stripe = self.stripe(x, y, reach_x);
         let mut turf = mix(self.dark, self.bright, stripe) * tone;
         // Patches lean to yellow or to blue-green.

@@ -43,7 +43,9 @@ impl Lighting {
                 None,
             ),
             Daylight::LowSun => {
-                let roof = Some([35.4, 19.0]);
+                // A court smaller than a pitch has lower stands, nearer to it.
+                let scale = (field.length_m / 90.0).min(1.0);
+                let roof = Some([35.4 * scale, 19.0 * scale]);
                 (
                     vec![lamp(-0.8, -0.36, 0.42, 2.1, 0xFF_E9C8)],
                     hex(0xD5_E4FF) * 0.34,

@@ -7,6 +7,9 @@
 //! the ray of its centre through the exact camera, so the truth is exact. [`camera_path`] moves the
 //! camera as an operator would. Nothing is copied from real footage; all names are invented.
 //!
+//! Other sports are drawn by the same means: `courts` is a table of their floors, lines and camera
+//! places, and `floor` draws what they are played on.
+//!
 //! [`Stadium::at`] lets spectators move and boards change between frames, as they do in a real one.
 //!
 //! Patterns finer than a pixel fade instead of aliasing; lines, people, posts and nets are covered
@@ -18,8 +21,10 @@ mod boards;
 mod body;
 mod bowl;
 mod clicks;
+mod courts;
 mod coverage;
 mod crowd;
+mod floor;
 mod graphics;
 mod grass;
 mod lens;
@@ -42,8 +47,9 @@ pub use stadium::stadium;
 #[doc(hidden)]
 pub use {
     clicks::ClickOptions, clicks::ClickTarget, clicks::SyntheticClick, clicks::generate_clicks,
-    options::CameraMotion, options::Daylight, options::FrameOptions, options::Graphics,
-    options::Preset, options::ShootOptions, options::StadiumOptions, options::UnknownPreset,
-    path::PathStep, path::camera_path, play::Side, props::Mover, render::RenderedFrame,
-    render::SeenMover, stadium::Stadium,
+    courts::CameraSide, courts::Scene, courts::SceneError, courts::Setting, options::CameraMotion,
+    options::Daylight, options::FrameOptions, options::Graphics, options::Preset,
+    options::ShootOptions, options::StadiumOptions, options::UnknownPreset, path::PathStep,
+    path::camera_path, play::Side, props::Mover, render::RenderedFrame, render::SeenMover,
+    stadium::Stadium,
 };

@@ -1,6 +1,9 @@
 //! What a drawn match looks like and how a camera takes it, with units, and presets from easy to
 //! hard.
 
+use super::boards::{BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M};
+use super::courts::{Scene, Setting};
+use super::path::whole_field;
 use std::str::FromStr;
 use thiserror::Error;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve};
@@ -12,6 +15,8 @@ use touchline_core::geometry::{Angle, ImageSize, Vec3};
 pub struct StadiumOptions {
     /// Chooses colours, crowd, boards, grass and how the match runs.
     pub seed: u64,
+    /// The place around the field, and its floor. Default a stadium.
+    pub scene: Scene,
     /// The painted field; posts, crossbars, nets and flags stand where its landmarks and lines say.
     pub field: FieldModel,
     /// The light over the ground.
@@ -27,11 +32,20 @@ impl StadiumOptions {
     pub fn new(field: FieldModel, seed: u64) -> Self {
         Self {
             seed,
+            scene: Scene::Stadium,
             field,
             daylight: Daylight::default(),
             attendance: 0.93,
             paint_left: 1.0,
         }
+    }
+
+    /// From the goal lines and from the touchlines to the boards, m.
+    pub(super) fn boards_m(&self) -> [f64; 2] {
+        let court = self.scene.court();
+        court.map_or([BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M], |court| {
+            court.boards_m
+        })
     }
 }
 
@@ -139,6 +153,8 @@ pub struct ShootOptions {
     pub daylight: Daylight,
     /// Seconds between frames.
     pub step_s: f64,
+    /// Whether the camera neither pans, tilts nor zooms; it then shows the whole field.
+    pub is_still: bool,
     /// Shortest and longest focal length, px at 1280 px width; a preset is scaled to other widths.
     pub focal_px_at_1280: [f64; 2],
     /// The lens: k₁ by focal length, for a picture 1280 px wide.
@@ -195,6 +211,7 @@ impl Preset {
         let easy = ShootOptions {
             daylight: Daylight::Hazy,
             step_s: 1.0,
+            is_still: false,
             focal_px_at_1280: [1150.0, 2600.0],
             distortion_at_1280: FocalCurve::NONE,
             shutter_s: 0.0,
@@ -260,6 +277,44 @@ impl ShootOptions {
                 image_size.centre(),
             )
         }
+    }
+}
+
+/// The focal lengths of a camera beside a court, as multiples of the one that shows it whole.
+const COURT_ZOOM: [f64; 2] = [1.3, 2.8];
+
+impl ShootOptions {
+    /// The camera of a setting, and how it takes the court: with the light of the place, and with
+    /// focal lengths that fit it. Those of the stadium are the preset's.
+    pub fn in_setting(
+        &self,
+        setting: Setting,
+        field: &FieldModel,
+        image_size: ImageSize,
+        seed: u64,
+    ) -> (CameraBase, Self) {
+        let base = self.main_camera(image_size);
+        let Some([x, y, z]) = setting.camera_m(seed) else {
+            return (base, *self);
+        };
+        let position_m = Vec3::new(x, y, z);
+        let angles = BaseAngles {
+            heading: Angle::from_radians((-x).atan2(-y)),
+            pitch: Angle::from_degrees(-0.3),
+            roll: Angle::from_degrees(0.25),
+        };
+        let base = CameraBase {
+            position_m,
+            base_from_world: angles.base_from_world(),
+            ..base
+        };
+        let whole_px = whole_field(&base, field, image_size).focal_px / scale_from_1280(image_size);
+        let shoot = Self {
+            daylight: setting.scene().daylight(self.daylight),
+            focal_px_at_1280: COURT_ZOOM.map(|zoom| zoom * whole_px),
+            ..*self
+        };
+        (base, shoot)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::coverage::strip;
 use super::ray::PlaneHit;
-use touchline_core::field::{Curve, FieldLine, FieldModel, PaintEdge};
+use touchline_core::field::{Curve, FieldLine, FieldModel, Landmark, PaintEdge};
 use touchline_core::geometry::Vec3;
 
 /// Side of the cells in which the lines near a place are looked up, m.
@@ -21,7 +21,7 @@ pub(super) struct Paint {
     cells: Vec<Vec<u16>>,
 }
 
-/// A painted marking, seen from above.
+/// A painted marking, seen from above: a line, a dash of one, or a spot.
 #[derive(Clone, Copy, Debug)]
 enum PaintedShape {
     Straight {
@@ -45,18 +45,20 @@ enum PaintedShape {
 }
 
 impl Paint {
-    pub fn new(field: &FieldModel) -> Self {
-        let spots = field.landmarks.iter().filter_map(|landmark| {
-            let radius_m = 0.5 * landmark.spot_diameter_m?;
-            Some(PaintedShape::Spot {
-                centre: landmark.nominal_m,
-                radius_m,
-            })
-        });
+    /// The lines and spots whose name is wanted.
+    pub fn new(field: &FieldModel, is_wanted: impl Fn(&str) -> bool) -> Self {
+        let spots = field
+            .landmarks
+            .iter()
+            .filter(|landmark| is_wanted(landmark.id.as_str()))
+            .filter_map(PaintedShape::of_spot);
+        // Rows of hash marks are dashes, which no search looks for as a line: they are painted, too.
+        let is_painted = |line: &&FieldLine| line.painted || line.dash_m.is_some();
         let markings: Vec<PaintedShape> = field
             .lines
             .iter()
-            .filter(|line| line.painted)
+            .filter(|line| is_wanted(line.id.as_str()))
+            .filter(is_painted)
             .flat_map(PaintedShape::of_line)
             .chain(spots)
             .collect();
@@ -111,6 +113,13 @@ impl Paint {
 }
 
 impl PaintedShape {
+    fn of_spot(landmark: &Landmark) -> Option<Self> {
+        Some(Self::Spot {
+            centre: landmark.nominal_m,
+            radius_m: 0.5 * landmark.spot_diameter_m?,
+        })
+    }
+
     /// The shapes of a line: the whole, or its dashes.
     fn of_line(line: &FieldLine) -> impl Iterator<Item = Self> {
         let pieces = line.pieces(&line.paint_centre);
@@ -123,11 +132,13 @@ impl PaintedShape {
             Curve::Segment { from, to } => {
                 let length_m = (to - from).norm();
                 // Paint centred on its line is drawn half a width over the end, so that corners are
-                // full; where the nominal line is the paint's edge, the end is the corner already.
-                let over_m = if line.edge == PaintEdge::Centre && line.dash_m.is_none() {
-                    half_width_m
-                } else {
-                    0.0
+                // full, and paint around an area a whole width; where the nominal line is the
+                // paint's outer edge, the end is the corner already.
+                let over_m = match line.edge {
+                    _ if line.dash_m.is_some() => 0.0,
+                    PaintEdge::Centre => half_width_m,
+                    PaintEdge::Inner => line.width_m,
+                    PaintEdge::Outer => 0.0,
                 };
                 Self::Straight {
                     from,

@@ -4,7 +4,8 @@ use super::Stadium;
 use super::options::{CameraMotion, FrameOptions, ShootOptions, scale_from_1280};
 use super::play::Play;
 use super::texture::{hash, smooth_walk, sub_seed, unit};
-use touchline_core::camera::{CameraBase, PanTilt, Ptz};
+use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, ImageSize, Vec3};
 
 /// One moment of a camera's path.
@@ -37,16 +38,40 @@ pub fn camera_path(
             .map(|focal| focal * scale_from_1280(image_size)),
         half_height_px: 0.5 * f64::from(image_size.height),
     };
-    (0..frames)
-        .map(|index| {
-            let time_s = index as f64 * shoot.step_s;
-            PathStep {
-                time_s,
-                ptz: operator.ptz(time_s),
-                motion: operator.motion(time_s),
-            }
-        })
-        .collect()
+    let still = shoot
+        .is_still
+        .then(|| whole_field(base, stadium.field(), image_size));
+    let step = |index: usize| {
+        let time_s = index as f64 * shoot.step_s;
+        operator.step(time_s, still)
+    };
+    (0..frames).map(step).collect()
+}
+
+/// How much of the picture the field takes when it is shown whole.
+const WHOLE_FIELD_SHARE: f64 = 0.88;
+
+/// Where a camera points that shows the whole field.
+pub(super) fn whole_field(base: &CameraBase, field: &FieldModel, image_size: ImageSize) -> Ptz {
+    // Towards the middle of the field, with the focal length at which the corner that lies farthest
+    // out is still in the picture.
+    let aim = PanTilt::from_direction(base.base_from_world_point(Vec3::zeros()));
+    let ahead = PtzCamera::new(*base, Ptz::new(aim.pan, aim.tilt, 1.0));
+    let half = [
+        0.5 * f64::from(image_size.width),
+        0.5 * f64::from(image_size.height),
+    ];
+    let fits = |x: f64, y: f64| {
+        let corner = Vec3::new(0.5 * x * field.length_m, 0.5 * y * field.width_m, 0.0);
+        let seen = ahead.cam_from_world_point(corner);
+        (half[0] * (seen.z / seen.x).abs()).min(half[1] * (seen.z / seen.y).abs())
+    };
+    let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
+    let focal_px = corners
+        .into_iter()
+        .map(|(x, y)| fits(x, y))
+        .fold(f64::INFINITY, f64::min);
+    Ptz::new(aim.pan, aim.tilt, WHOLE_FIELD_SHARE * focal_px)
 }
 
 impl ShootOptions {
@@ -104,6 +129,15 @@ impl Operator {
         Vec3::new(mean.x * 0.86, mean.y * 0.7 + 1.0, 0.0)
     }
 
+    /// A moment of the path, or of a camera that keeps still.
+    fn step(&self, time_s: f64, still: Option<Ptz>) -> PathStep {
+        PathStep {
+            time_s,
+            ptz: still.unwrap_or_else(|| self.ptz(time_s)),
+            motion: still.map_or_else(|| self.motion(time_s), |_| CameraMotion::default()),
+        }
+    }
+
     fn ptz(&self, time_s: f64) -> Ptz {
         let target = self.attention(time_s);
         let aim = PanTilt::from_direction(self.base.base_from_world_point(target));
@@ -143,7 +177,6 @@ impl Operator {
 mod tests {
     use super::*;
     use crate::synthetic::{Preset, StadiumOptions, stadium};
-    use touchline_core::camera::PtzCamera;
     use touchline_core::testing::soccer;
 
     #[test]

@@ -36,10 +36,36 @@ pub(super) struct Person {
     pub look: u32,
 }
 
+/// Who plays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Squad {
+    /// Players of a side without its goalkeeper.
+    players: usize,
+    has_keepers: bool,
+    /// Whether a net keeps the sides apart.
+    has_net: bool,
+}
+
+impl Squad {
+    /// A soccer team.
+    pub const SOCCER: Self = Self::new(10, true, false);
+
+    pub const fn new(players: usize, has_keepers: bool, has_net: bool) -> Self {
+        Self {
+            players,
+            has_keepers,
+            has_net,
+        }
+    }
+}
+
 /// The match of one seed on a field of one size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Play {
     seed: u32,
+    squad: Squad,
+    /// From how far players close in on the ball, m.
+    press_m: f64,
     half_length: f64,
     half_width: f64,
 }
@@ -60,9 +86,11 @@ const FORMATION: [[f64; 2]; 10] = [
 ];
 
 impl Play {
-    pub fn new(seed: u64, length_m: f64, width_m: f64) -> Self {
+    pub fn new(seed: u64, length_m: f64, width_m: f64, squad: Squad) -> Self {
         Self {
             seed: sub_seed(seed, 0x91A1),
+            squad,
+            press_m: 8.0 * (length_m / 90.0).min(1.0),
             half_length: 0.5 * length_m,
             half_width: 0.5 * width_m,
         }
@@ -122,9 +150,10 @@ impl Play {
         let ball_share = [ball.x / self.half_length, ball.y / self.half_width];
         let mut places = Vec::with_capacity(25);
         for (side, sign) in [(Side::Home, 1.0), (Side::Away, -1.0)] {
-            let mut team: Vec<[f64; 2]> = (0..FORMATION.len())
+            let mut team: Vec<[f64; 2]> = (0..self.squad.players)
                 .map(|player| {
-                    let [x, y] = FORMATION[player];
+                    // Another number of players is spread over the formation.
+                    let [x, y] = FORMATION[player * FORMATION.len() / self.squad.players];
                     // The block shifts with the ball and every player wanders about the place the
                     // shape gives him.
                     let wander = |axis: u32, period: f64| {
@@ -142,26 +171,39 @@ impl Play {
                 })
                 .collect();
             self.press(&mut team, ball, sign);
+            if self.squad.has_net {
+                for place in &mut team {
+                    place[0] = sign * (sign * place[0]).min(-0.4);
+                }
+            }
             places.extend(team.into_iter().map(|place| (side, place)));
         }
         // A goalkeeper is farther out the farther the ball is; the referee follows the play behind
         // it; each assistant runs along one half of a touchline.
         let keeper = |sign: f64| {
-            let out = 3.0 + 9.0 * (0.5 - 0.5 * sign * ball_share[0]).clamp(0.0, 1.0);
+            let near = (0.5 - 0.5 * sign * ball_share[0]).clamp(0.0, 1.0);
+            let out = 0.375 * self.press_m + 1.125 * self.press_m * near;
             [
                 sign * (self.half_length - out),
                 0.11 * ball.y + smooth_walk(self.seed ^ 0x28, time_s / 3.0),
             ]
         };
-        places.push((Side::HomeKeeper, keeper(-1.0)));
-        places.push((Side::AwayKeeper, keeper(1.0)));
+        if self.squad.has_keepers {
+            places.push((Side::HomeKeeper, keeper(-1.0)));
+            places.push((Side::AwayKeeper, keeper(1.0)));
+        }
+        let roam_m = 0.375 * self.press_m;
         let referee = [
-            (ball.x * 0.8 - 8.0 + 3.0 * smooth_walk(self.seed ^ 0x32, time_s / 3.0))
+            (ball.x * 0.8 - self.press_m + roam_m * smooth_walk(self.seed ^ 0x32, time_s / 3.0))
                 .clamp(-self.half_length, self.half_length),
-            (ball.y * 0.6 + 9.0 + 3.0 * smooth_walk(self.seed ^ 0x33, time_s / 3.3))
-                .clamp(-self.half_width, self.half_width),
+            (ball.y * 0.6
+                + 1.125 * self.press_m
+                + roam_m * smooth_walk(self.seed ^ 0x33, time_s / 3.3))
+            .clamp(-self.half_width, self.half_width),
         ];
-        places.push((Side::Official, referee));
+        if !self.squad.has_net {
+            places.push((Side::Official, referee));
+        }
         let assistant = (0.5 * self.half_length + 0.45 * ball.x).clamp(0.0, self.half_length);
         places.push((Side::Official, [assistant, -self.half_width - 0.7]));
         places.push((
@@ -179,7 +221,7 @@ impl Play {
             let distance = dx.hypot(dy);
             // Each player has an own place at up to 0.9 m from the ball: 2.4 rad is about the
             // golden angle, so that these places lie all around it.
-            let pull = 0.85 * (-distance / 8.0).exp();
+            let pull = 0.85 * (-distance / self.press_m).exp();
             let angle = sign + 2.4 * player as f64 + f64::from(unit(self.seed));
             place[0] += dx * pull - 0.9 * pull * angle.cos();
             place[1] += dy * pull - 0.9 * pull * angle.sin();
@@ -193,7 +235,7 @@ mod tests {
 
     #[test]
     fn twenty_two_players_and_three_officials_move_like_people() {
-        let play = Play::new(5, 105.0, 68.0);
+        let play = Play::new(5, 105.0, 68.0, Squad::SOCCER);
         let mut fastest: f64 = 0.0;
         for step in 0..400 {
             let people = play.people(f64::from(step) * 0.7);
@@ -208,8 +250,14 @@ mod tests {
 
     #[test]
     fn the_same_seed_plays_the_same_match() {
-        let (a, b) = (Play::new(5, 105.0, 68.0), Play::new(5, 105.0, 68.0));
+        let (a, b) = (
+            Play::new(5, 105.0, 68.0, Squad::SOCCER),
+            Play::new(5, 105.0, 68.0, Squad::SOCCER),
+        );
         assert_eq!(a.ball(12.5), b.ball(12.5));
-        assert_ne!(a.ball(12.5), Play::new(6, 105.0, 68.0).ball(12.5));
+        assert_ne!(
+            a.ball(12.5),
+            Play::new(6, 105.0, 68.0, Squad::SOCCER).ball(12.5)
+        );
     }
 }

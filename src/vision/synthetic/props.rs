@@ -1,9 +1,9 @@
 //! Everything that stands on the pitch at one moment: people, the ball, goals with nets, corner
 //! flags.
 
-use super::boards::{BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M};
 use super::body::{Kits, body, bystander};
 use super::light::{Light, hex};
+use super::options::StadiumOptions;
 use super::play::{Play, Side};
 use super::solid::{Sheet, Stick};
 use super::texture::{hash, sub_seed, unit};
@@ -81,11 +81,87 @@ pub(super) fn movers(play: &Play, kits: &Kits, field: &FieldModel, time_s: f64) 
     props
 }
 
-/// What stands still: goals, flags, and people behind the boards.
-pub(super) fn fixtures(seed: u64, field: &FieldModel) -> Vec<Prop> {
+/// What stands still: goals and nets, the boards of a rink, flags, and people behind the boards.
+pub(super) fn fixtures(options: &StadiumOptions) -> Vec<Prop> {
+    let field = &options.field;
     let mut props = goals(field);
+    let net_m = options.scene.court().map_or(0.0, |court| court.net_m);
+    props.extend(raised(field, net_m));
     props.extend(flags(field));
-    props.extend(bystanders(seed, field));
+    props.extend(bystanders(options));
+    props
+}
+
+/// What stands still and moves not.
+fn fixture(sticks: Vec<Stick>, sheets: Vec<Sheet>, throws_shadow: bool) -> Prop {
+    Prop {
+        sticks,
+        sheets,
+        mover: None,
+        throws_shadow,
+    }
+}
+
+/// The length of the straight pieces of curves, and of long boards, m.
+const PIECE_M: f64 = 2.5;
+
+/// Rings, nets and the boards of a rink: the raised lines that are no posts.
+fn raised(field: &FieldModel, net_m: f64) -> Vec<Prop> {
+    let mut props = Vec::new();
+    for line in field.lines.iter().filter(|line| !line.painted) {
+        let name = line.id.as_str();
+        let is_rink = name.starts_with("boards_") && name.ends_with("_top");
+        let is_net = name.starts_with("net_top");
+        let is_arc = matches!(line.curve, Curve::Arc { .. });
+        if !is_rink && !is_net && !is_arc {
+            continue;
+        }
+        // Straight pieces, so that one that lies partly behind the camera loses only a piece; a ring
+        // has a dozen.
+        let ring = if line.curve.is_closed() { 12.0 } else { 1.0 };
+        let count = if is_net {
+            1.0
+        } else {
+            (line.curve.length_m() / PIECE_M).ceil().max(ring)
+        };
+        for piece in 0..count as usize {
+            let ends = [piece, piece + 1].map(|end| line.curve.point_at(end as f64 / count));
+            let [from, to] = ends.map(|end| field.world_from_nominal(end));
+            if from.z <= 0.0 {
+                continue;
+            }
+            let height_m = if is_rink {
+                from.z
+            } else {
+                net_m.min(from.z.min(to.z))
+            };
+            let cloth = Sheet {
+                corner: from - Vec3::z() * height_m,
+                across: (to - from).normalize(),
+                up: Vec3::z(),
+                breadth_m: [(to - from).norm(); 2],
+                height_m,
+                mesh_m: is_net.then_some([0.004, 0.06]),
+                albedo: if is_rink {
+                    hex(0xE6_E9EC)
+                } else {
+                    hex(0x1C_1E20)
+                },
+            };
+            let sheets = if is_rink || is_net {
+                vec![cloth]
+            } else {
+                Vec::new()
+            };
+            let colour = if is_arc && !is_rink {
+                hex(0xD8_5A20)
+            } else {
+                hex(0xF2_F3F2)
+            };
+            let rail = Stick::new(from, to, (0.5 * line.width_m).max(0.02), colour);
+            props.push(fixture(vec![rail], sheets, false));
+        }
+    }
     props
 }
 
@@ -94,26 +170,19 @@ fn goals(field: &FieldModel) -> Vec<Prop> {
     // Goals come from the field's own lines and landmarks, so that every template has its goals, or
     // none. Raised lines are posts and crossbars; four named posts make a goal with a net.
     let white = hex(0xF2_F3F2);
-    let mut props: Vec<Prop> = field
-        .lines
-        .iter()
-        .filter(|line| !line.painted)
-        .filter_map(|line| match line.curve {
-            Curve::Segment { from, to } => Some(Stick::new(
-                field.world_from_nominal(from),
-                field.world_from_nominal(to),
-                0.5 * line.width_m,
-                white,
-            )),
-            Curve::Arc { .. } => None,
-        })
-        .map(|stick| Prop {
-            sticks: vec![stick],
-            sheets: Vec::new(),
-            mover: None,
-            throws_shadow: true,
-        })
-        .collect();
+    let mut props: Vec<Prop> = Vec::new();
+    for line in field.lines.iter().filter(|line| !line.painted) {
+        let Curve::Segment { from, to } = line.curve else {
+            continue;
+        };
+        // A line on the ground is the foot of a net or of boards, or is dashed.
+        if from.z.max(to.z) <= 0.0 || line.id.as_str().starts_with("boards_") {
+            continue;
+        }
+        let [from, to] = [from, to].map(|end| field.world_from_nominal(end));
+        let stick = Stick::new(from, to, 0.5 * line.width_m, white);
+        props.push(fixture(vec![stick], Vec::new(), true));
+    }
     for side in ["left", "right"] {
         let corner = |which: &str, end: &str| field.landmark(&format!("post_{which}_{side}_{end}"));
         let corners = (
@@ -182,12 +251,7 @@ fn net(near: Vec3, far: Vec3, height_m: f64) -> Prop {
         })
         .chain([bar(near + up + out * top_depth, far + up + out * top_depth)])
         .collect();
-    Prop {
-        sticks,
-        sheets,
-        mover: None,
-        throws_shadow: false,
-    }
+    fixture(sticks, sheets, false)
 }
 
 /// Corner flags under the landmarks that name their tops.
@@ -220,10 +284,11 @@ fn flags(field: &FieldModel) -> Vec<Prop> {
 }
 
 /// Stewards and photographers in the strip behind the boards.
-fn bystanders(seed: u64, field: &FieldModel) -> Vec<Prop> {
+fn bystanders(options: &StadiumOptions) -> Vec<Prop> {
     // Each has a stretch of the strip and a random place in it: 26 along the far touchline, and 18
     // behind each goal. All face the pitch.
-    let seed = sub_seed(seed, 0x57AD);
+    let seed = sub_seed(options.seed, 0x57AD);
+    let (field, [behind, beside]) = (&options.field, options.boards_m());
     let (half_length, half_width) = (0.5 * field.length_m, 0.5 * field.width_m);
     let far = (0..26).map(|place| {
         let draw = hash(seed, place, 0);
@@ -231,7 +296,7 @@ fn bystanders(seed: u64, field: &FieldModel) -> Vec<Prop> {
         (
             [
                 x,
-                half_width + BEHIND_TOUCHLINE_M + 1.2 + 1.5 * f64::from(unit(draw.rotate_left(5))),
+                half_width + beside + 1.2 + 1.5 * f64::from(unit(draw.rotate_left(5))),
             ],
             -std::f64::consts::FRAC_PI_2,
             draw,
@@ -241,7 +306,7 @@ fn bystanders(seed: u64, field: &FieldModel) -> Vec<Prop> {
         let draw = hash(seed, place, 1);
         let side = if place % 2 == 0 { 1.0 } else { -1.0 };
         let y = -half_width + field.width_m * (f64::from(place) + f64::from(unit(draw))) / 36.0;
-        let x = half_length + BEHIND_GOAL_LINE_M + 0.8 + 1.2 * f64::from(unit(draw.rotate_left(5)));
+        let x = half_length + behind + 0.8 + 1.2 * f64::from(unit(draw.rotate_left(5)));
         (
             [side * x, y],
             if side > 0.0 {

@@ -4,10 +4,11 @@ use super::boards::Boards;
 use super::body::Kits;
 use super::bowl::{Bowl, BowlHit};
 use super::crowd::Crowd;
+use super::floor::ceiling_lamps;
 use super::grass::Ground;
-use super::light::{Light, Lighting};
+use super::light::{Light, Lighting, mix};
 use super::options::{Moment, StadiumOptions};
-use super::play::Play;
+use super::play::{Play, Squad};
 use super::props::{Prop, fixtures};
 use super::ray::{PlaneHit, Ray};
 use super::texture::sub_seed;
@@ -31,13 +32,17 @@ pub struct Stadium {
 /// Builds a stadium; the same options build the same one.
 pub fn stadium(options: &StadiumOptions) -> Stadium {
     let field = &options.field;
+    let squad = options
+        .scene
+        .court()
+        .map_or(Squad::SOCCER, |court| court.squad);
     let kits = Kits::from_seed(sub_seed(options.seed, 0x4175));
     Stadium {
-        play: Play::new(options.seed, field.length_m, field.width_m),
+        play: Play::new(options.seed, field.length_m, field.width_m, squad),
         lighting: Lighting::new(options.daylight, field),
-        fixtures: fixtures(options.seed, field),
-        ground: Ground::new(options.seed, field, options.paint_left),
-        boards: Boards::new(options.seed, field),
+        fixtures: fixtures(options),
+        ground: Ground::new(options),
+        boards: Boards::new(options.seed, field, options.boards_m()),
         bowl: Bowl::new(field),
         crowd: Crowd::new(
             options.seed,
@@ -109,14 +114,14 @@ impl Stadium {
             };
         }
         if let Some(hit) = ground.filter(|hit| self.ground.is_inside_boards(hit.point)) {
-            return self.lit_ground(&hit, GRASS);
+            return self.lit_ground(ray, &hit, GRASS);
         }
         let stands = self.bowl.meets(ray);
         match (ground, stands) {
             (Some(ground), stands)
                 if stands.is_none_or(|stands| ground.depth < stands.at.depth) =>
             {
-                self.lit_ground(&ground, APRON)
+                self.lit_ground(ray, &ground, APRON)
             }
             (_, Some(stands)) => self.lit_stands(&stands),
             _ => RayHit {
@@ -127,16 +132,34 @@ impl Stadium {
         }
     }
 
-    fn lit_ground(&self, hit: &PlaneHit, surface: u8) -> RayHit {
-        let light = self
+    fn lit_ground(&self, ray: &Ray, hit: &PlaneHit, surface: u8) -> RayHit {
+        let mut light = self
             .ground
             .albedo(hit)
             .component_mul(&self.lighting.on_ground(hit.point));
+        let floor = self.ground.floor_at(hit.point).filter(|_| surface == GRASS);
+        if let Some((mirrored, share)) = floor.and_then(|floor| floor.mirror(ray)) {
+            light = mix(light, self.mirror_image(&mirrored), share);
+        }
         RayHit {
             light,
             depth: hit.depth,
             surface,
         }
+    }
+
+    /// What a floor mirrors: the boards, the stands, and the lamps of a hall.
+    fn mirror_image(&self, ray: &Ray) -> Light {
+        let lamps = match self.options.scene.court() {
+            Some(court) if court.is_hall => ceiling_lamps(ray),
+            _ => Light::zeros(),
+        };
+        let around = match (self.boards.meets(ray), self.bowl.meets(ray)) {
+            (Some(board), _) => self.boards.colour(&board),
+            (None, Some(stands)) => self.lit_stands(&stands).light,
+            (None, None) => self.lighting.sky_in(ray.direction),
+        };
+        around + lamps
     }
 
     fn lit_stands(&self, hit: &BowlHit) -> RayHit {

@@ -11,8 +11,9 @@ use touchline_vision::features::{Descriptor, FeatureOptions, Features, extract};
 #[cfg(feature = "opencv")]
 use touchline_vision::media::Picture;
 use touchline_vision::synthetic::{
-    ClickOptions, ClickTarget, FrameOptions, Graphics, Moment, Preset, Stadium, StadiumOptions,
-    camera_path, generate_clicks, stadium,
+    CameraSide, ClickOptions, ClickTarget, FrameOptions, Graphics, Moment, Preset, Scene,
+    SceneError, Setting, ShootOptions, Stadium, StadiumOptions, camera_path, generate_clicks,
+    stadium,
 };
 
 const SMALL: ImageSize = ImageSize::new(320, 180);
@@ -480,4 +481,95 @@ fn features_of_the_stadium_are_found_again_in_another_frame() {
         one.len() >= 1500 && right >= 150 && right * 10 >= matched * 6,
         "{matched} matched, {right} right"
     );
+}
+
+/// The scenes of other sports.
+const COURTS: [Scene; 7] = [
+    Scene::Basketball,
+    Scene::Hockey,
+    Scene::Tennis,
+    Scene::Badminton,
+    Scene::Volleyball,
+    Scene::Handball,
+    Scene::Football,
+];
+const SIDES: [CameraSide; 3] = [CameraSide::Side, CameraSide::End, CameraSide::Corner];
+
+/// A court whole in the picture, with the camera that took it.
+fn court_picture(scene: Scene, side: CameraSide, size: ImageSize) -> (RgbImage, PtzCamera) {
+    let field = builtin(scene.template()).unwrap().default_model().unwrap();
+    let still = ShootOptions {
+        is_still: true,
+        ..Preset::Easy.shoot()
+    };
+    let setting = Setting::new(scene, Some(side)).unwrap();
+    let (base, shoot) = still.in_setting(setting, &field, size, 4);
+    let place = stadium(&StadiumOptions {
+        scene,
+        daylight: shoot.daylight,
+        ..StadiumOptions::new(field, 4)
+    });
+    let path = camera_path(&place, &base, size, &shoot, 2);
+    assert_eq!(path[0].ptz, path[1].ptz);
+    let camera = PtzCamera::new(base, path[0].ptz);
+    (place.render(&camera, size, &bare()).image, camera)
+}
+
+/// How much the pixels at `offset` px beside the lines differ from those 5 px to both sides of
+/// that, mean over the lines' places in the picture.
+fn contrast(picture: &RgbImage, camera: &PtzCamera, field: &FieldModel, offset: f64) -> f64 {
+    let (width, height) = (f64::from(picture.width()), f64::from(picture.height()));
+    let lines = field.lines.iter().filter(|line| line.painted);
+    let places = lines.flat_map(|line| (1..40).map(move |i| (line, f64::from(i) / 40.0)));
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (line, t) in places {
+        let Some((at, across)) = crossing(camera, field, line, t) else {
+            continue;
+        };
+        if (12.0..width - 12.0).contains(&at.x) && (12.0..height - 12.0).contains(&at.y) {
+            let level = |away: f64| blue(picture, at.translate(across * (offset + away)));
+            sum += (level(0.0) - 0.5 * (level(-5.0) + level(5.0))).abs();
+            count += 1.0;
+        }
+    }
+    assert!(count > 50.0, "{count} places in the picture");
+    sum / count
+}
+
+#[test]
+fn each_court_is_drawn_the_same_twice_with_its_lines_where_the_camera_has_them() {
+    for scene in COURTS {
+        let field = builtin(scene.template()).unwrap().default_model().unwrap();
+        for side in SIDES {
+            let size = ImageSize::new(960, 540);
+            let (picture, camera) = court_picture(scene, side, size);
+            let (here, beside) = (
+                contrast(&picture, &camera, &field, 0.0),
+                [-2.5, 2.5].map(|offset| contrast(&picture, &camera, &field, offset)),
+            );
+            assert!(
+                beside.iter().all(|beside| here > 1.4 * beside),
+                "{scene} from the {side}: {here} on the lines, {beside:?} beside them"
+            );
+        }
+        let again = || court_picture(scene, SIDES[0], SMALL).0;
+        assert_eq!(again(), again());
+    }
+}
+
+#[test]
+fn a_scene_without_such_a_camera_and_unknown_names_are_refused() {
+    let refused = Setting::new(Scene::Stadium, Some(CameraSide::End));
+    assert!(matches!(refused, Err(SceneError::NoCamera { .. })));
+    assert!(Setting::new(Scene::Tennis, None).is_ok());
+    assert!(
+        matches!("curling".parse::<Scene>(), Err(SceneError::UnknownScene(name)) if name == "curling")
+    );
+    assert!(matches!(
+        "roof".parse::<CameraSide>(),
+        Err(SceneError::UnknownSide(_))
+    ));
+    for scene in COURTS {
+        assert_eq!(scene.to_string().parse(), Ok(scene));
+    }
 }

@@ -40,6 +40,7 @@ fn write_drawn_match(folder: &Path) {
         },
         unmasked: false,
         references: 0.0,
+        ..MatchOrder::demo()
     };
     let drawn = draw_match(&order, &mut |picture: DrawnPicture| {
         fs::write(folder.join(&picture.image), &picture.jpeg).unwrap();

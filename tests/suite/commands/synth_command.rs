@@ -76,6 +76,21 @@ fn a_match_is_drawn_with_its_truth_and_never_over_something() {
 }
 
 #[test]
+fn a_court_is_drawn_with_its_own_field_by_a_camera_that_keeps_still() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("court");
+    let arguments = "--scene tennis --camera corner --still --frames 2 --size 320x180";
+    let arguments: Vec<&str> = arguments.split(' ').collect();
+    let output = synth(&arguments, &place);
+    assert!(output.status.success());
+    let truth = load(place.join("truth.json"));
+    assert_eq!(truth.field.template, "tennis");
+    let [one, two] = [0, 1].map(|frame| truth.ptz_camera(&truth.frames[frame]).unwrap());
+    assert_eq!(one, two);
+    assert!(one.base().position_m.x < -12.0 && one.base().position_m.y < -6.0);
+}
+
+#[test]
 fn wrong_orders_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("match");
@@ -86,7 +101,10 @@ fn wrong_orders_are_refused_in_one_line() {
         (&["--quality", "0"], "0 is not in 1..=100"),
         (&["--step=-1"], "is not a time; give seconds"),
         (&["--seed", "x"], "--seed"),
-        (&["--scene", "desert"], "stadium"),
+        (&["--scene", "desert"], "stadium, basketball"),
+        (&["--camera", "end"], "stadium has no camera at the end"),
+        (&["--camera", "roof"], "side, end, corner"),
+        (&["--demo", "--still"], "--demo"),
         (&["--demo", "--frames", "3"], "--demo"),
     ] {
         let output = synth(arguments, &place);
