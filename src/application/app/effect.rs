@@ -2,9 +2,10 @@
 
 use super::TrainerOrder;
 use super::operation::Job;
-use crate::app::window_state::session::Question;
+use crate::app::window_state::session::{Opening, Question};
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Edit, History};
+use touchline_season::queue::QueuedMatch;
 
 /// Something that the shell must do, through `jobs` or the window system.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +54,9 @@ pub enum Effect {
         /// The destination.
         folder: PathBuf,
     },
+    /// Look at matches of a queue and report `DiskReport::MatchSeen` for each. Earlier ones that
+    /// were not looked at yet are left out.
+    LookAtMatches(Vec<QueuedMatch>),
     /// Stop reading the document that is being opened.
     CancelOpening,
     /// Run an operation and pass its reports on as `Action::Report`.
@@ -79,17 +83,6 @@ pub struct Snapshot {
     pub history: History<Document>,
     /// The number of edits of the session up to this state.
     pub revision: u64,
-}
-
-/// What to open.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Opening {
-    /// A document, folder or video.
-    Path(PathBuf),
-    /// A fresh copy of the demo match.
-    Demo,
-    /// The open document again, as it is on disk; the open state is dropped first.
-    Again(PathBuf),
 }
 
 /// What to do with the version of a document that another program wrote.

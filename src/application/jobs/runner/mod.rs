@@ -6,7 +6,7 @@
 //! | effect | goes to |
 //! |---|---|
 //! | an operation | [`Background`], one thread for each [`Job`] |
-//! | reading a template, a camera, edits set aside; copying | [`Background`], one thread for each |
+//! | reading a template, a camera, matches, edits set aside; copying | [`Background`], one thread for each |
 //! | an edit, writing the document | [`Saver`] |
 //! | an order for the forest | [`Trainer`] |
 //! | a question, the settings, closing | the window, as a [`Request`] |
@@ -21,7 +21,7 @@ mod document;
 mod task;
 
 use self::document::actions_of;
-use self::task::{Kind, Outcome, Task, camera_with_base, save_copy, show_folder};
+use self::task::{Kind, Outcome, Task, camera_with_base, look_at_matches, save_copy, show_folder};
 use super::opening::Ready;
 use super::{Background, BackgroundReport, Saver, SharedPictures, Trainer, Wake};
 use crate::app::operation::{Job, Report};
@@ -142,6 +142,13 @@ impl Runner {
                     Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera))))
                 })
             }),
+            Effect::LookAtMatches(matches) => {
+                self.give_up(|kind| kind == Kind::Queue);
+                self.begin("matches of the queue", Kind::Queue, move |watch| {
+                    look_at_matches(&matches, watch);
+                    Ok(Outcome::Nothing)
+                });
+            }
             Effect::ShowFolder(folder) => self.begin("file manager", Kind::Other, move |_| {
                 show_folder(&folder)?;
                 Ok(Outcome::Nothing)
