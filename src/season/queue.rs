@@ -83,6 +83,11 @@ impl QueuedMatch {
         }
     }
 
+    /// What it is made of, or else its project.
+    pub fn source(&self) -> &Path {
+        self.frames.as_ref().unwrap_or(&self.project)
+    }
+
     /// The same with the paths that start from a folder.
     fn below(mut self, folder: &Path) -> Self {
         self.project = resolve(&folder.join(&self.project));
@@ -156,7 +161,7 @@ pub enum QueueError {
         source: io::Error,
     },
     /// It is something else.
-    #[error("{} is not a queue: {reason}; touchline queue and touchline collect write one", path.display())]
+    #[error("{} is not a queue: {reason}; touchline queue writes one", path.display())]
     NotAQueue {
         /// The file.
         path: PathBuf,
@@ -176,8 +181,7 @@ impl Queue {
         }
     }
 
-    /// The queue of matches at these paths, each once. The matches of a queue among them are part of
-    /// it.
+    /// The queue of matches at these paths, each once; of a queue among them its matches.
     ///
     /// # Errors
     /// A queue among the paths cannot be read.

@@ -32,7 +32,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(queue) = panel.app.queue() else {
         return;
     };
-    let is_wide = ui.available_width() >= WIDTHS[0];
+    // The edge of the panel takes a point.
+    let is_wide = ui.available_width() > WIDTHS[1];
     let heading = Heading {
         title: "Queue",
         command: Command::QueuePanel,
@@ -44,7 +45,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .resizable(false)
         .frame(egui::Frame::new().inner_margin(EDGE))
         .show(ui, |ui| footer(panel, ui, is_wide));
-    let scrolled = queue_moved(ui, queue.at());
+    let scrolled = has_moved(ui, queue.at());
     ScrollArea::vertical()
         .id_salt("queue")
         .auto_shrink(false)
@@ -63,7 +64,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 /// Whether another match is shown than when the panel was drawn last.
-fn queue_moved(ui: &Ui, at: usize) -> bool {
+fn has_moved(ui: &Ui, at: usize) -> bool {
     let memory = egui::Id::unique("match of the queue");
     let before = ui.data_mut(|data| {
         let before = data.get_temp::<usize>(memory);

@@ -40,7 +40,7 @@ fn the_panel_of_a_queue_looks_like_this_and_leads_from_match_to_match() {
     window.snapshot_of("queue", panel);
     window
         .harness
-        .get_by_label_contains("Match final, no camera yet");
+        .get_by_label_contains("Match final, 1 camera found, 1 doubt");
     window.harness.get_by_label_contains("Match lost, failed: ");
 
     window.press_label("Next match");

@@ -3,7 +3,7 @@
 use super::JobError;
 use super::opening::{Ready, open_anything, open_document};
 use crate::app::{QueuedFrame, ReviewQueue};
-use crate::scene::match_list::{MatchStage, MatchState};
+use crate::scene::match_list::MatchState;
 use std::path::{Path, PathBuf};
 use touchline_core::files::folder_of;
 use touchline_core::progress::Progress;
@@ -101,31 +101,25 @@ fn queued_frame(entry: &QueueEntry, folder: &Path) -> QueuedFrame {
 
 /// How far a match has come: by its project if there is one, else by what it is made of.
 pub fn look_at_match(queued: &QueuedMatch) -> MatchState {
-    let failed = |reason| MatchState::without_project(MatchStage::Failed(reason));
-    if !queued.project.exists()
-        && let Some(frames) = &queued.frames
-    {
-        let mut state = match FrameSource::open(frames) {
-            Ok(source) if source.is_empty() => failed("there is no frame".to_owned()),
-            Ok(source) => MatchState::from_frames(&source),
-            Err(error) => failed(error.to_string()),
-        };
-        if let Some(reason) = queued.failed.clone() {
-            state.stage = MatchStage::Failed(reason);
-        }
-        return state;
-    }
-    match read(&queued.project) {
-        Ok((location, document, _)) => {
-            let mut state = MatchState::from_document(&document, location.folder());
-            let is_begun = state
-                .counts()
-                .is_some_and(|counts| counts.cameras + counts.accepted > 0);
-            if let Some(reason) = queued.failed.clone().filter(|_| !is_begun) {
-                state.stage = MatchStage::Failed(reason);
+    let mut state = match &queued.frames {
+        Some(frames) if !queued.project.exists() => match FrameSource::open(frames) {
+            Ok(source) if source.is_empty() => {
+                MatchState::from_failure("there is no frame", frames)
             }
-            state
-        }
-        Err(error) => failed(error.to_string()),
+            Ok(source) => MatchState::from_frames(&source),
+            Err(error) => MatchState::from_failure(&error.to_string(), frames),
+        },
+        _ => match read(&queued.project) {
+            Ok((at, document, _)) => MatchState::from_document(&document, at.folder()),
+            Err(error) => MatchState::from_failure(&error.to_string(), &queued.project),
+        },
+    };
+    // A camera or accepted frames say more than how the last labelling ended.
+    let is_begun = state
+        .counts()
+        .is_some_and(|counts| counts.cameras + counts.accepted > 0);
+    if let Some(reason) = queued.failed.as_ref().filter(|_| !is_begun) {
+        state.stage = MatchState::from_failure(reason, queued.source()).stage;
     }
+    state
 }

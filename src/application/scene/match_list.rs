@@ -2,6 +2,7 @@
 
 use super::shot_list::{ShotShows, certainty};
 use std::collections::BTreeMap;
+use std::path::Path;
 use touchline_core::geometry::{pluralise, thousands};
 use touchline_documents::document::{Document, FrameStatus, shots_of_frames};
 use touchline_vision::media::{FrameRef, FrameSource};
@@ -47,8 +48,10 @@ pub struct MatchCounts {
 }
 
 impl MatchState {
-    /// The state of a match without a usable project.
-    pub const fn without_project(stage: MatchStage) -> Self {
+    /// The state of a match that failed, without its own path at the head of the reason: the row
+    /// names it.
+    pub fn from_failure(reason: &str, path: &Path) -> Self {
+        let stage = MatchStage::Failed(without_path(reason, path).to_owned());
         Self {
             stage,
             minutes: None,
@@ -70,7 +73,7 @@ impl MatchState {
     }
 
     /// The state of a match by its project in a folder.
-    pub fn from_document(document: &Document, folder: &std::path::Path) -> Self {
+    pub fn from_document(document: &Document, folder: &Path) -> Self {
         let first = document.frames.first();
         Self {
             stage: MatchStage::Begun(MatchCounts::from_document(document)),
@@ -158,6 +161,12 @@ impl MatchCounts {
     }
 }
 
+/// A reason without a path at its head.
+pub fn without_path<'a>(reason: &'a str, path: &Path) -> &'a str {
+    let head = format!("{}: ", path.display());
+    reason.strip_prefix(&head).unwrap_or(reason)
+}
+
 /// The length of a document's videos from their first to their last frames in it; none without
 /// one.
 fn minutes_of(document: &Document) -> Option<f64> {
@@ -178,9 +187,8 @@ fn minutes_of(document: &Document) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{ShotContent, ShotKind, Solution};
+    use touchline_documents::document::{Camera, ShotContent, ShotKind, Solution};
     use touchline_documents::testing::{cut_video, ptz_at};
 
     /// Six frames of a field, of which the last is uncertain; three of a dissolve, five of a
@@ -231,11 +239,12 @@ mod tests {
         let mut document = document();
         let says =
             |document: &Document| MatchState::from_document(document, Path::new("/m")).describe();
-        for camera in document.cameras.iter_mut() {
-            (camera.position_m, camera.base_from_world) = (None, None);
-        }
+        let size = ImageSize::new(64, 36);
+        document
+            .cameras
+            .push(Camera::new("main".into(), size).into());
         assert_eq!(says(&document), "no camera yet");
-        let base = touchline_core::testing::base_at([0.0, -60.0, 18.0], ImageSize::new(64, 36));
+        let base = touchline_core::testing::base_at([0.0, -60.0, 18.0], size);
         document.cameras[0].set_base(&base);
         assert_eq!(says(&document), "1 camera found");
         document.frames[0].status = FrameStatus::Reference;

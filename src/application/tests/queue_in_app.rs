@@ -58,10 +58,7 @@ fn dropped_matches_are_worked_through_past_one_that_is_broken() {
         rows(app).iter().all(|says| !says.is_empty())
     });
     let says = rows(&headless.app);
-    assert!(
-        says[0].starts_with("failed: ") && says[0].contains("broken.mp4"),
-        "{says:?}"
-    );
+    assert!(says[0].starts_with("failed: "), "{says:?}");
     assert_eq!(says[1..], ["no camera yet", "no camera yet", "not begun"]);
     assert_eq!(headless.app.queue().unwrap().at(), 1);
 

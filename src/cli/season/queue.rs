@@ -8,9 +8,9 @@ use crate::cli::{Outcome, describe_error};
 use anyhow::{Context as _, anyhow, bail, ensure};
 use std::path::{Path, PathBuf};
 use touchline_application::jobs::{look_at_match, until_it_panics};
-use touchline_application::scene::match_list::{MatchStage, MatchState};
+use touchline_application::scene::match_list::{MatchState, without_path};
 use touchline_core::files::folder_of;
-use touchline_core::geometry::{pluralise, thousands};
+use touchline_core::geometry::thousands;
 use touchline_documents::store::PROJECT_FILE;
 use touchline_season::queue::{Queue, QueuedMatch};
 
@@ -74,7 +74,8 @@ pub fn queue(args: &QueueArgs, messages: Messages) -> anyhow::Result<Outcome> {
             Ok(Labelling::Ended(_)) => file.note(at, None)?,
             Ok(Labelling::NoCamera(why)) => file.note(at, Some(why))?,
             Err(error) => {
-                let why = describe_error(&error);
+                let error = describe_error(&error);
+                let why = without_path(&error, queued.source()).to_owned();
                 messages.failures(&[format!("{}: {why}", queued.name)]);
                 file.note(at, Some(why))?;
             }
@@ -93,9 +94,9 @@ pub fn queue(args: &QueueArgs, messages: Messages) -> anyhow::Result<Outcome> {
         .iter()
         .filter(|state| state.counts().is_none())
         .count();
-    let (path, matches) = (output.display(), pluralise(count, "match"));
+    let path = output.display();
     messages.note(&format!(
-        "{path}: {matches}, {failed} failed; touchline {path} opens them"
+        "{path}: {failed} of {count} failed; touchline {path} opens them"
     ));
     Ok(Outcome::from_failure(failed > 0))
 }
@@ -148,9 +149,7 @@ fn label_match(
 /// The state of a match after all of them: a failure outweighs a project without a camera.
 fn final_state(queued: &QueuedMatch) -> MatchState {
     match &queued.failed {
-        Some(why) if !queued.project.exists() => {
-            MatchState::without_project(MatchStage::Failed(why.clone()))
-        }
+        Some(why) if !queued.project.exists() => MatchState::from_failure(why, queued.source()),
         _ => look_at_match(queued),
     }
 }

@@ -11,7 +11,7 @@
 use crate::app::App;
 use crate::app::effect::Effect;
 use crate::app::window_state::session::{Level, Opening};
-use crate::scene::match_list::{MatchStage, MatchState};
+use crate::scene::match_list::MatchState;
 use std::path::{Path, PathBuf};
 use touchline_season::queue::QueuedMatch;
 
@@ -98,8 +98,7 @@ impl ReviewQueue {
             return;
         }
         if let Some(row) = self.rows.get_mut(self.at) {
-            let stage = MatchStage::Failed(reason.to_owned());
-            row.state = Some(MatchState::without_project(stage));
+            row.state = Some(MatchState::from_failure(reason, row.queued.source()));
         }
     }
 
@@ -356,6 +355,15 @@ mod tests {
         })
     }
 
+    /// Everything is written.
+    fn end_saving(app: &mut App) -> Vec<Effect> {
+        app.update(Action::Disk(DiskReport::Saved {
+            revision: app.open().unwrap().revision,
+            at: "12:00:00".to_owned(),
+            document: Some(app.session.disk.save_requests),
+        }))
+    }
+
     #[test]
     fn accepting_goes_on_in_the_queue_also_while_the_review_panel_is_open() {
         let document = document();
@@ -402,17 +410,12 @@ mod tests {
             opening(&app.update(Action::Command(Command::NextMatch))),
             None
         );
-        let saved = DiskReport::Saved {
-            revision: app.open().unwrap().revision,
-            at: "12:00:00".to_owned(),
-            document: Some(app.session.disk.save_requests),
-        };
-        assert_eq!(opening(&app.update(Action::Disk(saved))), Some("two"));
+        assert_eq!(opening(&end_saving(&mut app)), Some("two"));
         let reason = "two: damaged".to_owned();
         app.update(Action::Disk(DiskReport::Failed(reason)));
         assert_eq!(says(&app, 1).as_deref(), Some("failed: two: damaged"));
-        let effects = app.update(Action::Command(Command::NextMatch));
-        assert_eq!(opening(&effects), Some("three"));
+        app.update(Action::Command(Command::NextMatch));
+        assert_eq!(opening(&end_saving(&mut app)), Some("three"));
         opened(&mut app, "three", None);
         assert_eq!(app.queue().unwrap().at(), 2);
         assert!(!app.has_next_match());
@@ -422,12 +425,12 @@ mod tests {
         );
         assert_eq!(opening(&app.update(Action::OpenMatch(0))), Some("one"));
         // What was looked at in the background comes late for no match but the open one.
-        let state = MatchState::without_project(MatchStage::NotBegun);
+        let state = MatchState::from_failure("gone", Path::new("/two"));
         for project in ["two", "three"].map(|name| queued(name).project) {
             let state = Box::new(state.clone());
             app.update(Action::Disk(DiskReport::MatchSeen { project, state }));
         }
-        assert_eq!(says(&app, 1).as_deref(), Some("not begun"));
+        assert_eq!(says(&app, 1).as_deref(), Some("failed: gone"));
         assert_eq!(says(&app, 2).as_deref(), Some("no camera yet"));
         opened(&mut app, "elsewhere", None);
         assert!(app.queue().is_none(), "it was not opened by the queue");

@@ -6,7 +6,7 @@
 //! | effect | goes to |
 //! |---|---|
 //! | an operation | [`Background`], one thread for each [`Job`] |
-//! | reading a template, a camera, matches, edits set aside; copying | [`Background`], one thread for each |
+//! | reading a template, a camera, matches, set-aside edits; copying | [`Background`], a thread each |
 //! | an edit, writing the document | [`Saver`] |
 //! | an order for the forest | [`Trainer`] |
 //! | a question, the settings, closing | the window, as a [`Request`] |
