@@ -97,9 +97,11 @@ impl QueuedMatch {
 
     /// The same with paths relative to a folder, as far as they lie below it.
     fn relative_to(mut self, folder: &Path) -> Self {
-        let shorten = |path: PathBuf| path.strip_prefix(folder).map_or(path.clone(), Into::into);
-        self.project = shorten(self.project);
-        self.frames = self.frames.map(shorten);
+        for path in std::iter::once(&mut self.project).chain(&mut self.frames) {
+            if let Ok(shorter) = path.strip_prefix(folder) {
+                *path = shorter.to_path_buf();
+            }
+        }
         self
     }
 }

@@ -8,7 +8,7 @@ use super::drawing::pictures::paint_filling;
 use super::review::{paint_ground, text_within};
 use egui::{Align, Button, Layout, Rect, Role, ScrollArea, Sense, Ui, Vec2, WidgetInfo, vec2};
 use touchline_application::app::{Action, App, Command, MatchRow};
-use touchline_application::scene::match_list::MatchStage;
+use touchline_application::scene::match_list::{MatchStage, MatchState};
 
 /// Width of the panel where there is room for texts beside the pictures, and where there is not,
 /// points.
@@ -82,8 +82,8 @@ fn show_row(
     is_wide: bool,
 ) -> egui::Response {
     let (name, state) = (row.queued.name.clone(), row.state.as_ref());
-    let says = state.map_or_else(|| "…".to_owned(), |state| state.describe());
-    let rest = state.map_or_else(String::new, |state| state.describe_rest());
+    let says = state.map_or_else(|| "…".to_owned(), MatchState::describe);
+    let rest = state.map_or_else(String::new, MatchState::describe_rest);
     let height = if is_wide {
         PICTURE.y
     } else {
@@ -115,7 +115,7 @@ fn show_row(
     let source = state.and_then(|state| state.picture.clone());
     let texture = source.and_then(|source| panel.pictures.thumbnail_of(source));
     let painter = ui.painter();
-    paint_filling(painter, texture, picture);
+    paint_filling(painter, texture, picture, ui.palette().raised);
     let (left, top) = if is_wide {
         (picture.right() + EDGE, picture.top() - 1.5)
     } else {

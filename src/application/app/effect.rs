@@ -54,17 +54,14 @@ pub enum Effect {
         /// The destination.
         folder: PathBuf,
     },
-    /// Look at matches of a queue and report `DiskReport::MatchSeen` for each. Earlier ones that
-    /// were not looked at yet are left out.
-    LookAtMatches(Vec<QueuedMatch>),
     /// Stop reading the document that is being opened.
     CancelOpening,
     /// Run an operation and pass its reports on as `Action::Report`.
     Start(Job),
     /// Send an order to the background trainer.
     Trainer(TrainerOrder),
-    /// Read the first camera with a base from a document and report `DiskReport::CameraLoaded`.
-    LoadCamera(PathBuf),
+    /// Read something of other documents.
+    ReadBeside(Beside),
     /// Ask the user for a path.
     Ask(Question),
     /// Show a folder in the system's file manager.
@@ -73,6 +70,16 @@ pub enum Effect {
     SaveSettings,
     /// Close the window; everything is on disk.
     Close,
+}
+
+/// What is read of other documents than the open one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// The first camera with a base; `DiskReport::CameraLoaded` is reported.
+    Camera(PathBuf),
+    /// How far matches of a queue have come; `DiskReport::MatchSeen` is reported for each. Earlier
+    /// ones that were not looked at yet are left out.
+    Matches(Vec<QueuedMatch>),
 }
 
 /// A document at one moment, to be written. It shares its parts with the open document.

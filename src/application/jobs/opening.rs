@@ -1,7 +1,6 @@
 //! Opens the path that a user names: a project, a dataset, a folder of frames, or a video.
 
 use super::JobError;
-use super::queue_opening::open_queue;
 use crate::app::Opened;
 use crate::app::session::Level;
 use std::ffi::OsString;
@@ -13,7 +12,7 @@ use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::store::{
     self, Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read,
 };
-use touchline_season::queue::{Queue, project_beside};
+use touchline_season::queue::project_beside;
 use touchline_vision::media::{CountProgress, FrameSource, MediaError, sha256_of_bytes};
 
 /// Maximum number of frames of a new project; beyond it every n-th is used. A match of 90 minutes
@@ -51,9 +50,6 @@ pub fn open_anything(
         return Err(JobError::Missing {
             path: path.to_path_buf(),
         });
-    }
-    if Queue::is_at(path) {
-        return open_queue(path, held, progress);
     }
     // A project or dataset opens as it is.
     let is_document = path

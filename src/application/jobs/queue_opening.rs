@@ -11,11 +11,26 @@ use touchline_documents::store::{Location, read};
 use touchline_season::queue::{Queue, QueueEntry, QueuedMatch};
 use touchline_vision::media::FrameSource;
 
+/// Opens a queue's file, or what else lies at a path.
+///
+/// # Errors
+/// It cannot be opened.
+pub(super) fn open_path(
+    path: &Path,
+    held: Option<&Location>,
+    progress: &Progress<'_, String>,
+) -> Result<Ready, JobError> {
+    if Queue::is_at(path) {
+        return open_queue(path, held, progress);
+    }
+    open_anything(path, held, progress)
+}
+
 /// Opens a queue's file, at its first match that can be opened.
 ///
 /// # Errors
 /// It is no queue, is empty, or none of its matches can be opened.
-pub(super) fn open_queue(
+fn open_queue(
     path: &Path,
     held: Option<&Location>,
     progress: &Progress<'_, String>,

@@ -168,11 +168,8 @@ fn describe_matches(matches: &[QueuedMatch], states: &[MatchState]) -> Vec<Strin
         "minutes",
     ];
     let line = |name: &str, cells: [String; 7]| {
-        let cells = cells
-            .iter()
-            .map(|cell| format!(" {cell:>9}"))
-            .collect::<String>();
-        format!("{name:<width$}{cells}")
+        let [a, b, c, d, e, f, g] = cells;
+        format!("{name:<width$} {a:>9} {b:>9} {c:>9} {d:>9} {e:>9} {f:>9} {g:>9}")
     };
     let mut lines = vec![line("match", heads.map(str::to_owned))];
     for (queued, state) in matches.iter().zip(states) {

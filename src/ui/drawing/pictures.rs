@@ -5,7 +5,6 @@
 //! [`Pictures::update`] receives what has arrived, the panels ask for thumbnails, and
 //! [`Pictures::finish`] requests those that are missing.
 
-use crate::ui::controls::theme::Themed as _;
 use egui::{Color32, CornerRadius, Painter, Pos2, Rect, TextureHandle, pos2};
 use lru::LruCache;
 use std::collections::BTreeSet;
@@ -156,8 +155,13 @@ pub fn decode_texture(
 
 /// Draws a thumbnail so that it fills a box; what is longer than the box is cut. Without a
 /// thumbnail the box is empty.
-pub fn paint_filling(painter: &Painter, picture: Option<TextureHandle>, place: Rect) {
-    painter.rect_filled(place, CornerRadius::same(2), painter.palette().raised);
+pub fn paint_filling(
+    painter: &Painter,
+    picture: Option<TextureHandle>,
+    place: Rect,
+    ground: Color32,
+) {
+    painter.rect_filled(place, CornerRadius::same(2), ground);
     let Some(picture) = picture else { return };
     let shape = picture.size_vec2();
     // `cut` is the scale at which the shorter side fills the box, `shown` the part of the picture

@@ -2,8 +2,8 @@
 //!
 //! From top to bottom: menu row, tour, picture, timeline, filmstrip, row of messages, status row.
 //! The column of tools is to the left of picture, timeline and filmstrip, the side panel to their
-//! right; the matches of a queue stand beside the tools. The quality page takes the place of all but
-//! the column.
+//! right; the matches of a queue stand beside the tools. The quality page takes the place of
+//! all but the column.
 
 use super::keys;
 use crate::ui::controls::theme::Themed as _;

@@ -259,7 +259,7 @@ fn recent_row(
 
     let place = rect.min + egui::Vec2::splat(theme::SPACE);
     let place = Rect::from_min_size(place, PICTURE.into());
-    paint_filling(painter, picture, place);
+    paint_filling(painter, picture, place, ui.palette().raised);
 
     let folder = document
         .file

@@ -9,7 +9,7 @@
 //! others once in the background.
 
 use crate::app::App;
-use crate::app::effect::Effect;
+use crate::app::effect::{Beside, Effect};
 use crate::app::window_state::session::{Level, Opening};
 use crate::scene::match_list::MatchState;
 use std::path::{Path, PathBuf};
@@ -173,7 +173,8 @@ impl App {
         if is_new {
             let rows = queue.rows.iter();
             let matches = rows.map(|row| row.queued.clone()).collect();
-            self.effects.push(Effect::LookAtMatches(matches));
+            self.effects
+                .push(Effect::ReadBeside(Beside::Matches(matches)));
         }
         self.show_queued_frame();
     }
@@ -208,12 +209,11 @@ impl App {
     /// Opens the next match of the queue, or the previous one.
     pub(in crate::app) fn open_next_match(&mut self, forward: bool) {
         let Some(queue) = &self.queue else { return };
-        match step_from(queue.at, forward, queue.rows.len()) {
-            Some(next) => self.open_match(next),
-            None => {
-                let text = if forward { LAST_MATCH } else { FIRST_MATCH };
-                self.session.notify(Level::Info, text);
-            }
+        if let Some(next) = step_from(queue.at, forward, queue.rows.len()) {
+            self.open_match(next);
+        } else {
+            let text = if forward { LAST_MATCH } else { FIRST_MATCH };
+            self.session.notify(Level::Info, text);
         }
     }
 
@@ -389,7 +389,7 @@ mod tests {
             "one",
             Some(ReviewQueue::new(matches.clone(), Vec::new())),
         );
-        assert!(effects.contains(&Effect::LookAtMatches(matches)));
+        assert!(effects.contains(&Effect::ReadBeside(Beside::Matches(matches))));
         let says = |app: &App, at: usize| {
             let row = &app.queue().unwrap().rows()[at];
             row.state.as_ref().map(MatchState::describe)

@@ -9,7 +9,7 @@ use crate::app::session::Level;
 use crate::app::{Action, DiskReport, Opening, OrphanOrder, Snapshot, ViewAction};
 use crate::jobs::drawn_match::fresh_demo;
 use crate::jobs::opening::{Ready, open_anything};
-use crate::jobs::queue_opening::{open_match, open_paths};
+use crate::jobs::queue_opening::{open_match, open_path, open_paths};
 use crate::jobs::{JobError, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions};
 use std::path::{Path, PathBuf};
 use touchline_core::progress::Progress;
@@ -32,7 +32,7 @@ impl Runner {
                 Progress::new(|text| watch.notify(Action::Disk(DiskReport::Progress(text))));
             let held = held.as_ref();
             let ready = match opening {
-                Opening::Path(path) | Opening::Again(path) => open_anything(&path, held, &progress),
+                Opening::Path(path) | Opening::Again(path) => open_path(&path, held, &progress),
                 Opening::Paths(paths) => open_paths(&paths, held, &progress),
                 Opening::Match(queued) => open_match(&queued, held, &progress),
                 Opening::Demo => open_anything(&fresh_demo(&progress)?, held, &progress),

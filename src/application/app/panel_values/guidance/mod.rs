@@ -175,9 +175,10 @@ fn guide_decided_frame(app: &App, frame: &Frame) -> Option<Guidance> {
             )))
         }
         FrameStatus::Reference if app.open().is_some_and(|open| open.counts().to_do == 0) => {
-            let (says, does) = match app.has_next_match() {
-                true => ("Next match", Command::NextMatch),
-                false => ("Export…", Command::Export),
+            let (says, does) = if app.has_next_match() {
+                ("Next match", Command::NextMatch)
+            } else {
+                ("Export…", Command::Export)
             };
             Some(Guidance::say(ALL_DONE).with_button(says, does))
         }

@@ -1,6 +1,6 @@
 //! Opens, saves and leaves documents.
 
-use crate::app::effect::Effect;
+use crate::app::effect::{Beside, Effect};
 use crate::app::operations::Operations;
 use crate::app::settings::RecentDocument;
 use crate::app::window_state::session::{
@@ -178,7 +178,9 @@ impl App {
                 self.place_chosen(question, path, !is_typed);
             }
             (Question::CompareWith, Some(_)) => self.compare(path),
-            (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
+            (Question::CameraFrom, Some(_)) => {
+                self.effects.push(Effect::ReadBeside(Beside::Camera(path)));
+            }
             (_, None) => {}
         }
     }
