@@ -36,7 +36,7 @@ fn the_panel_of_a_queue_looks_like_this_and_leads_from_match_to_match() {
         rows.iter().all(|row| row.state.is_some()) && shell.has_thumbnails()
     };
     window.wait_for(is_known);
-    let panel = egui::Rect::from_min_max(egui::pos2(40.0, 24.0), egui::pos2(272.0, 260.0));
+    let panel = egui::Rect::from_min_max(egui::pos2(40.0, 24.0), egui::pos2(272.0, 172.0));
     window.snapshot_of("queue", panel);
     window
         .harness

@@ -249,7 +249,7 @@ mod tests {
         assert_eq!(says(&document), "1 camera found");
         document.frames[0].status = FrameStatus::Reference;
         assert_eq!(says(&document), "1 of 20 frames accepted");
-        for frame in document.frames.iter_mut() {
+        for frame in &mut document.frames {
             frame.status = FrameStatus::Reference;
         }
         assert_eq!(says(&document), "done, 20 accepted");

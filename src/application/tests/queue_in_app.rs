@@ -3,7 +3,7 @@
 use crate::headless::Headless;
 use std::fs;
 use std::path::{Path, PathBuf};
-use touchline_application::app::{Action, App, Command};
+use touchline_application::app::{Action, App, Command, ReviewQueue};
 use touchline_application::scene::match_list::MatchState;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::FrameStatus;
@@ -32,7 +32,7 @@ fn matches(root: &Path) -> [PathBuf; 4] {
 
 /// What the rows of the queue say.
 fn rows(app: &App) -> Vec<String> {
-    let rows = app.queue().map(|queue| queue.rows()).unwrap_or_default();
+    let rows = app.queue().map(ReviewQueue::rows).unwrap_or_default();
     let says = |state: &MatchState| state.describe();
     rows.iter()
         .map(|row| row.state.as_ref().map(says).unwrap_or_default())
