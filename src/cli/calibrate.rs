@@ -46,40 +46,55 @@ use touchline_vision::media::{CachedReader, FrameReader, FrameSource, KEPT_BYTES
 pub struct CalibrateArgs {
     /// The folder of images, the video, or a document whose camera has no base yet.
     #[arg(value_name = "FRAMES_OR_VIDEO")]
-    frames: PathBuf,
+    pub(super) frames: PathBuf,
     /// The project's folder; made if absent.
     #[arg(short, long, value_name = "PROJECT")]
-    output: PathBuf,
-    /// The field's template, or a template file (`touchline fields` lists the templates); soccer by
-    /// default.
-    #[arg(long, value_name = "TEMPLATE")]
-    field: Option<String>,
-    /// A parameter of the field, such as `length_m=105`; may be given several times. The field's
-    /// size is then taken as known; else length and width are fitted where the usual size does not
-    /// explain the paint.
-    #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
-    set: Vec<(String, f64)>,
-    /// The camera is found from this many frames at most, spread over all of them; where they show
-    /// too little, once more from twice as many.
-    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(3..=300))]
-    look_at: u32,
+    pub(super) output: PathBuf,
+    #[command(flatten)]
+    pub(super) labelling: LabellingArgs,
     /// Also write a picture of what was found, over pan and tilt: the paint that stays in place
     /// while the camera pans, and the field's lines as the base projects them. Where the two
     /// coincide, the base is right.
     #[arg(long, value_name = "FILE.png")]
-    panorama: Option<PathBuf>,
+    pub(super) panorama: Option<PathBuf>,
     /// Also write contact sheets into this folder: a page with one row a shot, with its camera,
     /// what it shows, how many of its frames are right, and six of them with the field's lines.
     #[arg(long, value_name = "DIR")]
-    report: Option<PathBuf>,
+    pub(super) report: Option<PathBuf>,
+    /// Make the project although the folder holds something; a project in it is kept as
+    /// project.json.bak.
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+/// How a match is labelled without a click.
+#[derive(clap::Args, Clone, Debug)]
+pub struct LabellingArgs {
+    /// The field's template, or a template file (`touchline fields` lists the templates); soccer by
+    /// default.
+    #[arg(long, value_name = "TEMPLATE")]
+    pub(super) field: Option<String>,
+    /// A parameter of the field, such as `length_m=105`; may be given several times. The field's
+    /// size is then taken as known; else length and width are fitted where the usual size does not
+    /// explain the paint.
+    #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
+    pub(super) set: Vec<(String, f64)>,
+    /// The camera is found from this many frames at most, spread over all of them; where they show
+    /// too little, once more from twice as many.
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(3..=300))]
+    look_at: u32,
     /// Answer only the frames that are looked at. Otherwise a video's other frames are tracked from
     /// them, and a forest that learns from them finds the cameras of other images.
     #[arg(long)]
     found_only: bool,
-    /// Make the project although the folder holds something; a project in it is kept as
-    /// project.json.bak.
-    #[arg(long)]
-    force: bool,
+}
+
+/// How the labelling of a match ended, if it did not fail.
+pub(super) enum Labelling {
+    /// As this outcome says.
+    Ended(Outcome),
+    /// No camera was found, which a message has said: the reason.
+    NoCamera(String),
 }
 
 /// Makes the project, finds its camera, labels its frames and writes it. [`Outcome::SomeFailed`] if
@@ -90,6 +105,18 @@ pub struct CalibrateArgs {
 /// The folder exists, the field is invalid, the frames cannot be read, or the result cannot be
 /// written.
 pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    Ok(match label(args, messages)? {
+        Labelling::Ended(outcome) => outcome,
+        // Input and usage are right, so that the exit code is 1.
+        Labelling::NoCamera(_) => Outcome::SomeFailed,
+    })
+}
+
+/// Does what [`calibrate`] does, and says why no camera was found.
+///
+/// # Errors
+/// Those of [`calibrate`].
+pub(super) fn label(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Labelling> {
     // Check the output paths and the field before the long work begins.
     refuse_file(&args.output, "the project")?;
     let output = DocumentOutput {
@@ -121,8 +148,8 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let first = document.frames.first();
     let camera = first.context("not one image can be read")?.camera.clone();
     let options = MatchOptions {
-        sampled_frames: args.look_at as usize,
-        label_the_rest: !args.found_only,
+        sampled_frames: args.labelling.look_at as usize,
+        label_the_rest: !args.labelling.found_only,
         find_shots: true,
         work: Some(WorkFolder::beside(&folder.join(PROJECT_FILE))),
     };
@@ -154,12 +181,11 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
             "stopped; no camera was found yet, and no project was written; the same command goes \
              on from here",
         );
-        return Ok(Outcome::Stopped);
+        return Ok(Labelling::Ended(Outcome::Stopped));
     }
     let labelled = match labels? {
         MatchLabels::Labelled(labelled) => labelled,
         MatchLabels::NoCamera(why) => {
-            // Input and usage are right, so that the exit code is 1.
             let text = why.describe(&document);
             messages.error(&format!("{}: {text}", args.frames.display()));
             // The clicks are made in a project, which has no camera yet. Where clicks do not help,
@@ -175,7 +201,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
             } else {
                 new_folder.clear();
             }
-            return Ok(Outcome::SomeFailed);
+            return Ok(Labelling::NoCamera(text));
         }
     };
     // Write the project and the panoramas.
@@ -216,9 +242,9 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
             "stopped: what was found until then is written; the same command with --force goes on \
              from here",
         );
-        return Ok(Outcome::Stopped);
+        return Ok(Labelling::Ended(Outcome::Stopped));
     }
-    if !args.found_only && (answered, unanswered) != (0, 0) {
+    if !args.labelling.found_only && (answered, unanswered) != (0, 0) {
         messages.note(&format!(
             "of the other frames {answered} got a suggested camera, {unanswered} none"
         ));
@@ -237,8 +263,10 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     }
     // With --found-only the other frames are left out on purpose, which is no failure; nor is a
     // close-up without a camera.
-    let is_whole = args.found_only || unanswered == 0 || is_every_field_answered(&document);
-    Ok(Outcome::from_failure(!(are_all_read && is_whole)))
+    let is_whole =
+        args.labelling.found_only || unanswered == 0 || is_every_field_answered(&document);
+    let has_failed = !(are_all_read && is_whole);
+    Ok(Labelling::Ended(Outcome::from_failure(has_failed)))
 }
 
 /// What to say of cameras of which one measures a length of the field that another contradicts:
@@ -284,7 +312,7 @@ fn read_document(
     output: &Destination,
 ) -> anyhow::Result<Document> {
     ensure!(
-        args.field.is_none() && args.set.is_empty(),
+        args.labelling.field.is_none() && args.labelling.set.is_empty(),
         "{}: a document states its field; leave out --field and --set",
         args.frames.display()
     );
@@ -316,8 +344,8 @@ fn document_of_frames(
     folder: &Path,
     messages: Messages,
 ) -> anyhow::Result<(Document, bool)> {
-    let template = args.field.as_deref().unwrap_or("soccer");
-    let field = read_field(template, &args.set)?;
+    let template = args.labelling.field.as_deref().unwrap_or("soccer");
+    let field = read_field(template, &args.labelling.set)?;
     let source = FrameSource::open(&args.frames)?;
     messages.notes(source.notices());
     ensure!(

@@ -50,7 +50,7 @@ use terminal::messages::Messages;
 #[derive(Parser)]
 #[command(name = "touchline", version, about)]
 struct Cli {
-    /// A project, dataset, folder of frames or video to open in the window.
+    /// A project, dataset, folder of frames, video or queue to open in the window.
     document: Option<PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
@@ -75,6 +75,7 @@ enum Command {
     New(new::NewArgs),
     Plan(season::plan::PlanArgs),
     Points(points::PointsArgs),
+    Queue(season::queue::QueueArgs),
     RefineBase(refine_base::RefineBaseArgs),
     Relocalize(relocalize::RelocalizeArgs),
     Render(render::RenderArgs),
@@ -163,6 +164,7 @@ pub fn run() -> Next {
         Command::New(args) => new::new(&args, messages),
         Command::Plan(args) => season::plan::plan(&args, messages),
         Command::Points(args) => points::points(&args, messages),
+        Command::Queue(args) => season::queue::queue(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),
         Command::Render(args) => {
@@ -221,7 +223,7 @@ fn private_folder(shared: &std::path::Path) -> Option<PathBuf> {
 }
 
 /// The error and its causes in one text. A cause that the text already contains is not repeated.
-fn describe_error(error: &anyhow::Error) -> String {
+pub(in crate::cli) fn describe_error(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !text.contains(&cause) {

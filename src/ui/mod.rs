@@ -11,6 +11,7 @@
 //! | pictures on the screen, conversion of coordinates, the renderer | `drawing` |
 //! | rows and strips around the picture, and the column of tools | `rows` |
 //! | what goes on and what is missing, above every side panel | `cards` |
+//! | the matches of a queue, left of the picture | `queue` |
 //! | side panels | `inspector`, `camera_panel`, `trainer`, `review`, `reclick` |
 //! | in place of the picture | `quality`, `start` |
 //! | above everything | `dialogs` |
@@ -35,6 +36,7 @@ mod main_window;
 mod maps;
 mod picture;
 mod quality;
+mod queue;
 mod reclick;
 mod review;
 mod rows;

@@ -119,6 +119,29 @@ impl Window {
         Self::at(around, folder, size, 1.0)
     }
 
+    /// Opens a queue of two projects of plain frames and a third that is missing.
+    pub fn open_queue(size: [f32; 2]) -> Self {
+        let around = tempfile::tempdir().unwrap();
+        let mut entries = Vec::new();
+        for (name, frames) in [("final", 3), ("semifinal", 2), ("lost", 0)] {
+            let folder = around.path().join(name);
+            if frames > 0 {
+                std::fs::create_dir(&folder).unwrap();
+                write_project(&folder, frames);
+            }
+            entries.push(format!(
+                r#"{{"match": "{name}", "project": "{name}/project.json"}}"#
+            ));
+        }
+        let text = format!(
+            r#"{{ "format": "touchline queue", "version": 1, "matches": [{}] }}"#,
+            entries.join(", ")
+        );
+        let queue = around.path().join("queue.json");
+        std::fs::write(&queue, text).unwrap();
+        Self::at(around, queue, size, 1.0)
+    }
+
     /// Opens a project of plain frames whose camera is not known, with exact points on every
     /// landmark of each.
     pub fn open_clicked(frames: usize, size: [f32; 2]) -> Self {

@@ -17,6 +17,7 @@ mod names;
 mod panels;
 mod preferences;
 mod quality;
+mod queue;
 mod review;
 mod solved_frame;
 mod timeline;
@@ -42,6 +43,7 @@ pub const TESTS: &[&[Test]] = &[
     panels::TESTS,
     preferences::TESTS,
     quality::TESTS,
+    queue::TESTS,
     review::TESTS,
     timeline::TESTS,
     tour::TESTS,

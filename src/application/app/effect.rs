@@ -2,9 +2,10 @@
 
 use super::TrainerOrder;
 use super::operation::Job;
-use crate::app::window_state::session::Question;
+use crate::app::window_state::session::{Opening, Question};
 use std::path::PathBuf;
 use touchline_documents::document::{Document, Edit, History};
+use touchline_season::queue::QueuedMatch;
 
 /// Something that the shell must do, through `jobs` or the window system.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,8 +81,8 @@ pub enum Effect {
     Start(Job),
     /// Send an order to the background trainer.
     Trainer(TrainerOrder),
-    /// Read the first camera with a base from a document and report `DiskReport::CameraLoaded`.
-    LoadCamera(PathBuf),
+    /// Read something of other documents.
+    ReadBeside(Beside),
     /// Ask the user for a path.
     Ask(Question),
     /// Show a folder in the system's file manager.
@@ -92,6 +93,16 @@ pub enum Effect {
     Close,
 }
 
+/// What is read of other documents than the open one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// The first camera with a base; `DiskReport::CameraLoaded` is reported.
+    Camera(PathBuf),
+    /// How far matches of a queue have come; `DiskReport::MatchSeen` is reported for each. Earlier
+    /// ones that were not looked at yet are left out.
+    Matches(Vec<QueuedMatch>),
+}
+
 /// A document at one moment, to be written. It shares its parts with the open document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
@@ -100,17 +111,6 @@ pub struct Snapshot {
     pub history: History<Document>,
     /// The number of edits of the session up to this state.
     pub revision: u64,
-}
-
-/// What to open.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Opening {
-    /// A document, folder or video.
-    Path(PathBuf),
-    /// A fresh copy of the demo match.
-    Demo,
-    /// The open document again, as it is on disk; the open state is dropped first.
-    Again(PathBuf),
 }
 
 /// What to do with the version of a document that another program wrote.

@@ -41,7 +41,7 @@ pub use action::{
 pub use commands::command::{Command, CommandKind, CommandNeeds, MenuGroup};
 pub use commands::keymap::{Chord, ChordError, Keymap};
 pub use commands::{guide, synonyms, tour};
-pub use effect::{Effect, Opening, OrphanOrder, OutsideOrder, Snapshot};
+pub use effect::{Beside, Effect, OrphanOrder, OutsideOrder, Snapshot};
 pub use now::MissingBase;
 pub use operations::{BESIDE_PX, LineCheckSummary, LineOffset, transfer};
 pub use panel_values::current::Current;
@@ -52,7 +52,7 @@ pub use panel_values::{camera_text, guidance, where_to_label};
 pub use project::derived::{FrameCounts, GoldWork};
 pub use project::open_project::OpenProject;
 pub use project::opened::{Opened, OutsideChoice};
-pub use project::review_queue::{QueuedFrame, ReviewQueue};
+pub use project::review_queue::{MatchRow, QueuedFrame, ReviewQueue};
 pub use project::selection;
 pub use project::versioned::Versioned;
 pub use settings::{Settings, WindowPlace};
@@ -62,7 +62,7 @@ pub use trainer::{
 };
 pub use update::MAX_SCALE;
 pub use window_state::choices::{CameraChoice, MaskList, MaskScope};
-pub use window_state::session::{Question, Tool};
+pub use window_state::session::{Opening, Question, Tool};
 pub use window_state::{corner_looks, field_draft, naming, place, reclick, session, video};
 
 use operation::{Report, RequestId};
@@ -97,7 +97,7 @@ pub struct App {
     clock: Option<fn() -> jiff::Timestamp>,
     /// Labels of another program that are imported as soon as their pictures are open.
     waiting_labels: Option<ForeignLabels>,
-    /// The review queue of a season that is being looked through.
+    /// The queue of matches that is being worked through.
     queue: Option<ReviewQueue>,
     /// Whether the tour begins as soon as the demo match is open.
     tour_waits: bool,

@@ -50,6 +50,8 @@ pub struct Settings {
     /// The files of documents that have shown the question about burned-in graphics: each shows it
     /// once.
     pub burnt_in_questions: Vec<PathBuf>,
+    /// Whether the matches of a queue are shown beside the picture.
+    pub queue_panel: bool,
     /// Whether the field map is shown.
     pub field_map: bool,
     /// Whether pan, tilt and focal length over time are shown below the picture.
@@ -232,6 +234,7 @@ impl Default for Settings {
             formats: Vec::new(),
             sports: Vec::new(),
             burnt_in_questions: Vec::new(),
+            queue_panel: true,
             field_map: true,
             curves: false,
             details: false,

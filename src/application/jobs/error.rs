@@ -6,7 +6,7 @@ use thiserror::Error;
 use touchline_core::field::FieldError;
 use touchline_documents::document::WriteError;
 use touchline_documents::store::StoreError;
-use touchline_season::collect::QueueError;
+use touchline_season::queue::QueueError;
 use touchline_vision::media::MediaError;
 
 /// Why a job failed.
@@ -52,11 +52,11 @@ pub enum JobError {
         /// The document's file.
         file: PathBuf,
     },
-    /// The review queue of a season cannot be read.
+    /// A queue cannot be read.
     #[error(transparent)]
     Queue(#[from] QueueError),
-    /// The review queue of a season has no frame.
-    #[error("{}: no frame of the season is left to look at", path.display())]
+    /// A queue has neither a match nor a frame.
+    #[error("{}: no match and no frame is left to look at", path.display())]
     EmptyQueue {
         /// The queue.
         path: PathBuf,

@@ -1,19 +1,18 @@
 //! Opens the path that a user names: a project, a dataset, a folder of frames, or a video.
 
 use super::JobError;
+use crate::app::Opened;
 use crate::app::session::Level;
-use crate::app::{Opened, QueuedFrame, ReviewQueue};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use touchline_core::files::folder_of;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Document, FieldSpec, document_from_frames};
 use touchline_documents::store::{
     self, Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans, read,
 };
-use touchline_season::collect::{Queue, QueueEntry};
+use touchline_season::queue::project_beside;
 use touchline_vision::media::{CountProgress, FrameSource, MediaError, sha256_of_bytes};
 
 /// Maximum number of frames of a new project; beyond it every n-th is used. A match of 90 minutes
@@ -51,9 +50,6 @@ pub fn open_anything(
         return Err(JobError::Missing {
             path: path.to_path_buf(),
         });
-    }
-    if Queue::is_at(path) {
-        return open_queue(path, held);
     }
     // A project or dataset opens as it is.
     let is_document = path
@@ -180,7 +176,7 @@ fn project_folders(path: &Path) -> Vec<PathBuf> {
 }
 
 fn beside(path: &Path) -> Option<PathBuf> {
-    path.parent().map(|parent| parent.join(project_name(path)))
+    path.parent().map(|_| project_beside(path))
 }
 
 fn project_name(path: &Path) -> OsString {
@@ -230,33 +226,8 @@ pub(super) fn user_projects() -> Option<PathBuf> {
     )
 }
 
-/// Opens the review queue of a season: the project of its first frame.
-fn open_queue(path: &Path, held: Option<&Location>) -> Result<Ready, JobError> {
-    let folder = folder_of(path);
-    let read = Queue::read(path)?;
-    let entries = read.entries().iter();
-    let queue = ReviewQueue::new(entries.map(|entry| queued_frame(entry, folder)).collect());
-    let Some(first) = queue.current() else {
-        return Err(JobError::EmptyQueue {
-            path: path.to_path_buf(),
-        });
-    };
-    let mut ready = open_document(&first.project, held, Vec::new())?;
-    ready.opened.queue = Some(queue);
-    Ok(ready)
-}
-
-/// The frame of an entry in the queue of the season in `folder`.
-fn queued_frame(entry: &QueueEntry, folder: &Path) -> QueuedFrame {
-    let project = folder.join(&entry.project);
-    QueuedFrame {
-        project: std::fs::canonicalize(&project).unwrap_or(project),
-        frame: entry.frame.clone(),
-    }
-}
-
 /// Opens an existing project or dataset, with the edits in its journal.
-fn open_document(
+pub(super) fn open_document(
     path: &Path,
     held: Option<&Location>,
     mut notices: Vec<(Level, String)>,

@@ -8,6 +8,7 @@
 //! | [`next_click`] | the landmarks that are worth clicking next |
 //! | [`field_map`] | the field from above |
 //! | [`paint_map`] | paint and lines over pan and tilt |
+//! | [`match_list`] | the matches of a queue as rows of a list |
 //! | [`shot_list`] | the shots of a document as rows of a table |
 //! | [`timeline`] | the frames of a document on one line |
 //!
@@ -18,6 +19,7 @@ pub mod drawing;
 pub mod drawn_element;
 pub mod field_map;
 mod line_colours;
+pub mod match_list;
 pub mod next_click;
 pub mod overlay;
 pub mod paint_map;

@@ -176,7 +176,7 @@ impl ShotRow {
 }
 
 /// How certain a frame's camera is, 0 to 1; none without a camera.
-fn certainty(frame: &Frame) -> Option<f64> {
+pub(super) fn certainty(frame: &Frame) -> Option<f64> {
     if frame.ptz.is_none() || frame.status == FrameStatus::Rejected {
         return None;
     }

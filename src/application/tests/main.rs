@@ -27,6 +27,7 @@ mod nothing_unasked;
 mod operations_in_app;
 mod outside;
 mod places_in_app;
+mod queue_in_app;
 mod reviewing;
 mod session;
 mod shots_in_app;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Leaving, Saving};
 use touchline_application::app::{
-    Action, Command, EditAction, Navigation, OutsideChoice, Question, ViewAction,
+    Action, Command, EditAction, Navigation, Opening, OutsideChoice, Question, ViewAction,
 };
 use touchline_application::jobs::Request;
 use touchline_core::testing::HD;
@@ -136,7 +136,9 @@ fn opening_another_document_asks_as_well() {
     headless.act(Action::Open(other.clone()));
     assert_eq!(
         headless.app.session.dialog,
-        Some(Dialog::NotSaved(Leaving::Open(other.clone())))
+        Some(Dialog::NotSaved(Leaving::Open(Opening::Path(
+            other.clone()
+        ))))
     );
     assert!(headless.app.session.disk.opening.is_none());
     headless.act(Action::LeaveUnsaved);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use touchline_application::app::session::{Dialog, Leaving, Saving};
 use touchline_application::app::{
-    Action, Command, EditAction, Navigation, OutsideChoice, PointerAction, ViewAction,
+    Action, Command, EditAction, Navigation, Opening, OutsideChoice, PointerAction, ViewAction,
 };
 use touchline_application::jobs::Request;
 use touchline_application::testing::{base, landmark_in};
@@ -231,9 +231,13 @@ fn merging_with_an_earlier_state_keeps_what_was_saved_since() {
 #[test]
 fn leaving_the_document_asks_and_keeps_what_another_program_replaced() {
     let (_other_root, other) = new_project(1);
-    for (way, leaving) in [Leaving::Close, Leaving::Close, Leaving::Open(other.clone())]
-        .into_iter()
-        .enumerate()
+    for (way, leaving) in [
+        Leaving::Close,
+        Leaving::Close,
+        Leaving::Open(Opening::Path(other.clone())),
+    ]
+    .into_iter()
+    .enumerate()
     {
         let leave = || match way {
             0 => Action::CloseRequested,

@@ -17,14 +17,12 @@
 //! in the project, and the table counts them.
 
 mod project;
-mod queue;
 mod record;
 mod table;
 
-pub use queue::{Queue, QueueEntry, QueueError};
-
 use crate::part::shard_of_path;
 use crate::plan::Plan;
+use crate::queue::Queue;
 use crate::season_file::{LOCK_FILE, QUEUE_FILE, RECORD_FILE, TABLE_FILES};
 use project::{CollectedMatch, MatchToCollect};
 use record::Record;

@@ -1,9 +1,9 @@
 //! The table of a season.
 
 use super::project::CollectedMatch;
-use super::queue::confidence_of;
 use crate::part::Cost;
 use crate::plan::PlannedMatch;
+use crate::queue::confidence_of;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;

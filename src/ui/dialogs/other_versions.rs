@@ -66,9 +66,7 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, orphan: &Orphan) {
 pub fn show_not_saved(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
     let (title, does, does_only) = match leaving {
         Leaving::Close => ("Quit without saving?", "Quit and lose edits", "Quit"),
-        Leaving::Open(_) | Leaving::OpenDemo => {
-            ("Open without saving?", "Open and lose edits", "Open")
-        }
+        Leaving::Open(_) => ("Open without saving?", "Open and lose edits", "Open"),
     };
     sheet(panel, ctx, title, vec2(520.0, 220.0), |panel, ui| {
         // Why edits may be lost. After a change by another program nothing is lost, but the version

@@ -22,7 +22,7 @@ fn describe_question(question: Question) -> (&'static str, &'static str, &'stati
         Question::Folder => ("Open a folder of frames", "Open", "/matches/final/frames"),
         Question::Video => ("Open a video", "Open", "/matches/final.mp4"),
         Question::Queue => (
-            "Open the queue of a season",
+            "Open a queue of matches",
             "Open",
             "/seasons/2026/queue.json",
         ),

@@ -5,7 +5,7 @@
 //! [`Pictures::update`] receives what has arrived, the panels ask for thumbnails, and
 //! [`Pictures::finish`] requests those that are missing.
 
-use egui::{Pos2, Rect, pos2};
+use egui::{Color32, CornerRadius, Painter, Pos2, Rect, TextureHandle, pos2};
 use lru::LruCache;
 use std::collections::BTreeSet;
 use std::io;
@@ -151,6 +151,25 @@ pub fn decode_texture(
     let size = [picture.width() as usize, picture.height() as usize];
     let pixels = egui::ColorImage::from_rgb(size, picture.as_raw());
     Some(ctx.load_texture(name, pixels, egui::TextureOptions::LINEAR))
+}
+
+/// Draws a thumbnail so that it fills a box; what is longer than the box is cut. Without a
+/// thumbnail the box is empty.
+pub fn paint_filling(
+    painter: &Painter,
+    picture: Option<TextureHandle>,
+    place: Rect,
+    ground: Color32,
+) {
+    painter.rect_filled(place, CornerRadius::same(2), ground);
+    let Some(picture) = picture else { return };
+    let shape = picture.size_vec2();
+    // `cut` is the scale at which the shorter side fills the box, `shown` the part of the picture
+    // that is then within the box, in texture coordinates.
+    let cut = (place.size() / shape).max_elem();
+    let shown = place.size() / (shape * cut);
+    let seen = Rect::from_center_size(pos2(0.5, 0.5), shown);
+    painter.image(picture.id(), place, seen, Color32::WHITE);
 }
 
 #[cfg(test)]

@@ -105,7 +105,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         Question::Project => "Open a project or dataset",
         Question::Folder => "Open a folder of frames",
         Question::Video => "Open a video",
-        Question::Queue => "Open the queue of a season",
+        Question::Queue => "Open a queue of matches",
         Question::CopyTo => "Save a copy into a folder",
         Question::ExportAs(_) => "Export",
         Question::DatasetTo => "A folder for the dataset",

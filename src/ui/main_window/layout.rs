@@ -2,14 +2,15 @@
 //!
 //! From top to bottom: menu row, tour, picture, timeline, filmstrip, row of messages, status row.
 //! The column of tools is to the left of picture, timeline and filmstrip, the side panel to their
-//! right. The quality page takes the place of all but the column.
+//! right; the matches of a queue stand beside the tools. The quality page takes the place of
+//! all but the column.
 
 use super::keys;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::picture::{rejecting, typing, viewport};
 use crate::ui::rows::{filmstrip, menu, notices, status, timeline, tools, tour};
 use crate::ui::{
-    Panel, camera_panel, cards, dialogs, inspector, quality, reclick, review, start, trainer,
+    Panel, camera_panel, cards, dialogs, inspector, quality, queue, reclick, review, start, trainer,
 };
 use egui::{
     Context, CursorIcon, Frame, Id, Margin, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2,
@@ -22,6 +23,8 @@ const ROW: f32 = 24.0;
 /// Width of the window from which the default sizes of the panels are larger, points.
 const WIDE_WINDOW: f32 = 1800.0;
 
+/// Minimum width of the side panel, points.
+const LEAST_SIDE: f32 = 280.0;
 /// Minimum size of the picture, points. It limits the sizes of the panels.
 const LEAST_PICTURE: [f32; 2] = [480.0, 260.0];
 
@@ -74,12 +77,14 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     // The side panel and the filmstrip have edges that can be dragged. Each may grow until the
     // picture has its minimum size; in a window that is smaller still, the panels keep theirs.
     let room = ui.available_size() - Vec2::from(FIXED) - Vec2::from(LEAST_PICTURE);
+    let queue_width = queue::width(panel.app, room.x - LEAST_SIDE);
+    let room = room - vec2(queue_width, 0.0);
     let edges = [
         Edge {
             id: "side panel",
             name: "Width of the side panel",
             panel_is_right: true,
-            range: [280.0, room.x.min(640.0)],
+            range: [LEAST_SIDE, room.x.min(640.0)],
         },
         Edge {
             id: "filmstrip",
@@ -122,6 +127,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             .resizable(false)
             .frame(side)
             .show(ui, |ui| tools::show(panel, ui));
+    }
+    if is_open && !page && queue_width > 0.0 {
+        egui::Panel::left("queue")
+            .exact_size(queue_width)
+            .resizable(false)
+            .frame(side)
+            .show(ui, |ui| queue::show(panel, ui));
     }
     if is_open && !page {
         let side_panel = egui::Panel::right("side")

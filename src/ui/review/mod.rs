@@ -6,6 +6,7 @@ mod list;
 mod shots;
 
 pub use facts::RowFacts;
+pub use list::{paint_ground, text_within};
 
 use super::{Panel, inspector};
 use crate::ui::controls::show_button;

@@ -7,12 +7,13 @@ mod film;
 use super::Panel;
 use super::controls::theme::Themed as _;
 use super::drawing::labels::lay_out_within;
+use super::drawing::pictures::paint_filling;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::{symbol, theme};
 use crate::ui::rows::menu::document_name;
 use egui::{
-    Align, Button, Color32, CornerRadius, FontId, Id, Key, Layout, Margin, Rect, RichText, Role,
-    ScrollArea, Sense, TextEdit, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align, Button, CornerRadius, FontId, Id, Key, Layout, Margin, Rect, RichText, Role, ScrollArea,
+    Sense, TextEdit, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 use std::path::PathBuf;
 use touchline_application::app::settings::RecentDocument;
@@ -37,8 +38,8 @@ const NEEDED: &str = "All you need is a video, or frames, of a camera that pans 
                       fixed position, over a field with painted lines.";
 
 /// What may be dropped on the window.
-const INVITATION: &str = "Or drop on this window a video, frames, a project, or cameras of another \
-                          program with their video.";
+const INVITATION: &str = "Or drop on this window a video, frames, a project, several of them as a \
+                          queue, or cameras of another program with their video.";
 
 /// Height of a row to begin with, points.
 const ROW: f32 = 44.0;
@@ -124,6 +125,12 @@ fn beginnings(panel: &mut Panel<'_>, ui: &mut Ui) {
             "Project…",
             "Work that you began",
             Command::OpenProject,
+        ),
+        (
+            Symbol::List,
+            "Queue…",
+            "Several matches, one after the other",
+            Command::OpenQueue,
         ),
         (
             Symbol::Picture,
@@ -250,19 +257,9 @@ fn recent_row(
         egui::StrokeKind::Inside,
     );
 
-    // The picture fills its box; what is longer than the box is cut.
     let place = rect.min + egui::Vec2::splat(theme::SPACE);
     let place = Rect::from_min_size(place, PICTURE.into());
-    painter.rect_filled(place, CornerRadius::same(2), ui.palette().raised);
-    if let Some(picture) = picture {
-        let shape = picture.size_vec2();
-        // `cut` is the scale at which the shorter side fills the box, `shown` the part of the
-        // picture that is then within the box, in texture coordinates.
-        let cut = (place.size() / shape).max_elem();
-        let shown = place.size() / (shape * cut);
-        let seen = Rect::from_center_size(pos2(0.5, 0.5), shown);
-        painter.image(picture.id(), place, seen, Color32::WHITE);
-    }
+    paint_filling(painter, picture, place, ui.palette().raised);
 
     let folder = document
         .file

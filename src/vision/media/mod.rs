@@ -46,7 +46,7 @@ pub use {
     digest::{sha256_of_bytes, sha256_of_file, video_file_id},
     image_file::{ImageLimits, image_size, load_image, load_image_within},
     prefetch::{PrefetchOptions, StepDirection, prefetch_plan},
-    source::{FolderListing, FrameSource, list_images},
+    source::{FolderListing, FrameSource, has_image_extension, list_images},
     stream::{FrameStream, StreamedFrame},
     thumbnail::{THUMBNAIL_SIZE, letterbox},
 };

@@ -213,7 +213,7 @@ pub fn list_images(folder: &Path) -> Result<FolderListing, MediaError> {
 }
 
 /// Whether a name has an image's extension.
-pub(super) fn has_image_extension(path: &Path) -> bool {
+pub fn has_image_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| {
         IMAGE_EXTENSIONS
             .iter()

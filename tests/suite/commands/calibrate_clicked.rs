@@ -9,7 +9,7 @@ use touchline::geometry::ImagePoint;
 use touchline_documents::testing::{load, save};
 
 /// The four landmarks on the ground that lie farthest from the middle of the picture.
-fn four_corners(mut shown: Vec<(LandmarkId, ImagePoint)>) -> Vec<Click> {
+pub fn four_corners(mut shown: Vec<(LandmarkId, ImagePoint)>) -> Vec<Click> {
     shown.retain(|(id, _)| !id.as_str().contains("post") && !id.as_str().contains("flag"));
     let middle = ImagePoint::new(320.0, 180.0);
     shown.sort_by(|(_, one), (_, other)| {

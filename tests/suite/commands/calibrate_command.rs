@@ -203,7 +203,7 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
 }
 
 /// A folder with four pictures that match nothing.
-fn grey_pictures(folder: &Path) {
+pub fn grey_pictures(folder: &Path) {
     fs::create_dir(folder).unwrap();
     for index in 0..4_u8 {
         let picture = image::RgbImage::from_fn(320, 180, |x, y| {

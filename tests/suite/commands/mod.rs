@@ -13,6 +13,7 @@ mod mend_command;
 mod merge_command;
 mod no_laboratory;
 mod points_command;
+mod queue_command;
 pub mod refine_base_command;
 pub mod relocalize_command;
 mod season_commands;

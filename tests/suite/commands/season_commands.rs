@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use touchline::app::{Action, App, Command, OpenProject, Question};
 use touchline::document::{Camera, Document, Frame, FrameId, FrameStatus};
-use touchline::season::collect::Queue;
 use touchline::season::part::part_path;
 use touchline::season::plan::Plan;
+use touchline::season::queue::Queue;
 use touchline_documents::testing::{load, save};
 
 const SEASON: &str = "

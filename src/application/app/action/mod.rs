@@ -22,6 +22,7 @@ use super::{Chord, Command};
 use crate::app::project::opened::{Opened, OutsideChoice};
 use crate::app::window_state::field_draft::{DrawnLine, Mirrored};
 use crate::app::window_state::session::Question;
+use crate::scene::match_list::MatchState;
 use crate::scene::shot_list::ShotOrder;
 use crate::scene::{OverlayStyle, PictureLook, Sport};
 use std::collections::BTreeSet;
@@ -67,6 +68,8 @@ pub enum Action {
     Open(PathBuf),
     /// Open or import what lies at these paths, which the user dropped or typed.
     OpenAny(Vec<PathBuf>),
+    /// Open the match at this place of the queue.
+    OpenMatch(usize),
     /// A document was read.
     Opened(Box<Opened>),
     Disk(DiskReport),
@@ -94,6 +97,7 @@ impl Action {
             Self::Edit(_)
                 | Self::Navigate(_)
                 | Self::Hold(..)
+                | Self::OpenMatch(_)
                 | Self::Transfer(TransferAction::TakeOver | TransferAction::TakeOverAndMend)
         )
     }
@@ -117,6 +121,12 @@ pub enum FieldChange {
 pub enum DiskReport {
     /// Progress of opening a document, as text.
     Progress(String),
+    /// How far a match of the queue has come.
+    MatchSeen {
+        /// The file of its project.
+        project: PathBuf,
+        state: Box<MatchState>,
+    },
     /// This window has the document open already.
     AlreadyOpen(PathBuf),
     /// One of the user's own field templates was read, or could not be.

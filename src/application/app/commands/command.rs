@@ -110,8 +110,18 @@ rows! {
     OpenFolder, "open_folder", File, Document, Nothing, "Open folder of frames…", "Start a project from a folder of images, or continue it.", ["Ctrl+Shift+O"];
     OpenVideo, "open_video", File, Document, Nothing, "Open video…", "Start a project from a video, or continue it.", ["Ctrl+Alt+O"];
     OpenQueue, "open_queue", File, Document, Nothing, "Open queue…",
-        "Open the queue of a season: the next frame to do is then the next of all its matches.",
+        "Open a queue of matches, or of frames of a season: the next frame to do is then the next \
+         of all its matches.",
         [];
+    NextMatch, "next_match", File, Document, Nothing, "Next match",
+        "Save, and open the next match of the queue.",
+        ["Ctrl+PageDown"];
+    PreviousMatch, "previous_match", File, Document, Nothing, "Previous match",
+        "Save, and open the previous match of the queue.",
+        ["Ctrl+PageUp"];
+    QueuePanel, "queue_panel", File, Document, Nothing, "Queue panel",
+        "Show or hide the matches of the queue beside the picture.",
+        ["F6"];
     OpenDemo, "open_demo", File, Document, Nothing, "Try the demo match",
         "Open a synthetic match and try the two-click method (2 minutes).",
         [];

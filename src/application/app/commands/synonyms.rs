@@ -25,6 +25,9 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::LoadCamera => "base extrinsics import camera",
         C::CameraPanel => "position rotation lens distortion intrinsics principal point masks",
         C::TrainerPanel | C::PauseTrainer => "forest learn model training relocalization",
+        C::OpenQueue | C::NextMatch | C::PreviousMatch | C::QueuePanel => {
+            "batch clips several videos games playlist"
+        }
         C::ReviewPanel => "suggestions proposals list",
         C::Gallery => "thumbnails contact sheet overview grid approve",
         C::QualityPage => "statistics errors residuals report",

@@ -2,14 +2,14 @@
 //! labels of another program are imported into what is open.
 
 use crate::app::operation::{Context, Failure, Operation, Slot};
-use crate::app::window_state::session::Level;
+use crate::app::window_state::session::{Level, Opening};
 use crate::app::{App, Command};
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use touchline_core::geometry::pluralise;
 use touchline_documents::exchange::{ExchangeError, Format, recognize_format};
 use touchline_documents::store::PROJECT_FILE;
-use touchline_vision::media::list_images;
+use touchline_vision::media::{has_image_extension, list_images};
 
 /// Labels never lie in a file larger than this, bytes; videos do.
 const MOST_BYTES: u64 = 64 << 20;
@@ -28,8 +28,8 @@ pub struct ForeignLabels {
 
 #[derive(Debug, Default)]
 pub struct SortedPaths {
-    /// What is opened.
-    open: Option<PathBuf>,
+    /// What is opened; several of them as a queue.
+    open: Vec<PathBuf>,
     /// What is imported.
     labels: Option<ForeignLabels>,
     /// Number of paths beside these.
@@ -79,7 +79,9 @@ impl SortedPaths {
                     let path = path.clone();
                     sorted.labels = Some(ForeignLabels { path, format });
                 }
-                Ok(None) if sorted.open.is_none() => sorted.open = Some(path.clone()),
+                Ok(None) if sorted.open.is_empty() || !has_image_extension(path) => {
+                    sorted.open.push(path.clone());
+                }
                 Ok(_) => sorted.left_out += 1,
                 Err(_) => sorted.unclear = Some(path.clone()),
             }
@@ -131,17 +133,19 @@ impl App {
         }
         if sorted.left_out > 0 {
             let more = pluralise(sorted.left_out, "more path");
-            let text = format!("{more} left out: one video or project is opened at a time.");
+            let text =
+                format!("{more} left out: give the folder of pictures and one set of labels.");
             self.session.notify(Level::Warning, text);
         }
         if sorted.labels.is_some() {
             self.waiting_labels = sorted.labels;
         }
-        match sorted.open {
-            Some(path) => self.open_path(path),
-            None if self.open.is_some() => self.import_waiting_labels(),
+        match sorted.open.as_slice() {
+            [path] => self.open_path(path.clone()),
+            [_, ..] => self.open_instead(Opening::Paths(sorted.open)),
+            [] if self.open.is_some() => self.import_waiting_labels(),
             // The start page says that they wait.
-            None => {}
+            [] => {}
         }
     }
 
@@ -178,7 +182,7 @@ mod tests {
         fs::write(cameras.join("camera_0001.json"), CAMERA).unwrap();
         fs::write(&video, "not a film").unwrap();
         let sorted = SortedPaths::new(&[cameras.clone(), video.clone()]);
-        assert_eq!(sorted.open, Some(video));
+        assert_eq!(sorted.open, [video]);
         let format = Format::SoccerNet;
         let path = cameras;
         assert_eq!(sorted.labels, Some(ForeignLabels { path, format }));
@@ -203,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_path_of_a_kind_and_a_mixture_are_named() {
+    fn a_second_picture_and_a_mixture_are_named_and_several_videos_are_a_queue() {
         let root = tempfile::tempdir().unwrap();
         let file = |name: &str, text: &str| {
             let path = root.path().join(name);
@@ -211,8 +215,16 @@ mod tests {
             fs::write(&path, text).unwrap();
             path
         };
-        let [one, other] = ["1.mp4", "2.mp4"].map(|name| file(name, ""));
-        assert_eq!(SortedPaths::new(&[one, other]).left_out, 1);
+        let pictures = ["1.png", "2.png"].map(|name| file(name, ""));
+        let sorted = SortedPaths::new(&pictures);
+        assert_eq!((sorted.open, sorted.left_out), (pictures[..1].to_vec(), 1));
+        let videos = ["1.mp4", "2.mp4"].map(|name| file(name, ""));
+        let sorted = SortedPaths::new(&videos);
+        assert_eq!(
+            (sorted.open, sorted.left_out),
+            (videos.to_vec(), 0),
+            "a queue of them"
+        );
         file("mixed/camera_0003.json", CAMERA);
         let mixed = file(
             "mixed/0003.json",
@@ -220,6 +232,6 @@ mod tests {
         );
         let sorted = SortedPaths::new(&[mixed.parent().unwrap().to_path_buf()]);
         assert_eq!(sorted.unclear.as_deref(), mixed.parent());
-        assert!(sorted.open.is_none() && sorted.labels.is_none());
+        assert!(sorted.open.is_empty() && sorted.labels.is_none());
     }
 }

@@ -37,7 +37,7 @@ pub struct Opened {
     pub notices: Vec<(Level, String)>,
     /// Edits that belong to another version of the document and were set aside.
     pub orphans: Vec<Orphan>,
-    /// The review queue of a season that leads to this document, if it was opened by one.
+    /// The queue of matches that leads to this document, if it was opened by one.
     pub queue: Option<ReviewQueue>,
     /// Whether the project was just created; then the dialog for the sport opens.
     pub is_new: bool,

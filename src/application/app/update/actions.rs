@@ -148,8 +148,11 @@ impl App {
                         .notify(Level::Info, format!("{} is already open.", file.display()));
                 }
             }
+            DiskReport::MatchSeen { project, state } => self.take_match_state(&project, *state),
             DiskReport::Failed(message) => {
-                self.session.disk.opening = None;
+                if self.session.disk.opening.take().is_some() {
+                    self.match_failed(&message);
+                }
                 self.tour_waits = false;
                 self.session.notify(Level::Error, message);
             }

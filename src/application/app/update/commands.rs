@@ -53,6 +53,9 @@ impl App {
             C::DismissNotices if self.session.messages.notices.is_empty() => {
                 Some("There are no messages.")
             }
+            C::NextMatch | C::PreviousMatch | C::QueuePanel if self.queue().is_none() => {
+                Some("No queue is open.")
+            }
             C::PauseTrainer | C::ShowFeatures => self.no_trainer(),
             C::Orphans if self.session.disk.orphans.is_empty() => {
                 Some("No edits were set aside beside this document.")
@@ -183,6 +186,8 @@ impl App {
             C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),
             C::OpenVideo => self.effects.push(Effect::Ask(Question::Video)),
             C::OpenQueue => self.effects.push(Effect::Ask(Question::Queue)),
+            C::NextMatch | C::PreviousMatch => self.open_next_match(command == C::NextMatch),
+            C::QueuePanel => self.toggle_setting(|settings| &mut settings.queue_panel),
             C::OpenDemo => {
                 self.tour_waits = false;
                 self.open_demo();

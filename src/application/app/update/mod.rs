@@ -115,6 +115,7 @@ impl App {
         self.quality
             .refresh(self.open.as_mut(), &self.session, has_curves);
         self.refresh_gold();
+        self.refresh_queue();
     }
 
     /// Carries out an action itself, without what follows from it. A blind round refuses actions
@@ -140,6 +141,7 @@ impl App {
             Action::Answer(question, path) => self.answer(question, path),
             Action::Open(path) => self.open_path(path),
             Action::OpenAny(paths) => self.open_any(paths),
+            Action::OpenMatch(at) => self.open_match(at),
             Action::Opened(opened) => self.show_document(*opened),
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),

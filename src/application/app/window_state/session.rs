@@ -21,6 +21,7 @@ use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{FrameId, RejectReason, Target};
 use touchline_documents::exchange::Format;
 use touchline_documents::store::Orphan;
+use touchline_season::queue::QueuedMatch;
 
 /// What the window shows and what the user is doing.
 #[derive(Debug, Default)]
@@ -333,9 +334,22 @@ pub enum Leaving {
     /// Close the window.
     Close,
     /// Open something else.
-    Open(PathBuf),
-    /// Open the demo match.
-    OpenDemo,
+    Open(Opening),
+}
+
+/// What to open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Opening {
+    /// A document, folder, video or queue.
+    Path(PathBuf),
+    /// Several of them, as a queue.
+    Paths(Vec<PathBuf>),
+    /// A match of the queue that is open: its project, or what it is made of.
+    Match(Box<QueuedMatch>),
+    /// A fresh copy of the demo match.
+    Demo,
+    /// The open document again, as it is on disk; the open state is dropped first.
+    Again(PathBuf),
 }
 
 /// A question for a path.
@@ -347,7 +361,7 @@ pub enum Question {
     Folder,
     /// The video to open.
     Video,
-    /// The review queue of a season to open.
+    /// The queue of several matches to open.
     Queue,
     /// The destination of a copy of the project.
     CopyTo,

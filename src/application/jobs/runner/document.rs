@@ -9,6 +9,7 @@ use crate::app::session::Level;
 use crate::app::{Action, DiskReport, Opening, OrphanOrder, Snapshot, ViewAction};
 use crate::jobs::drawn_match::fresh_demo;
 use crate::jobs::opening::{Ready, open_anything};
+use crate::jobs::queue_opening::{open_match, open_path, open_paths};
 use crate::jobs::{JobError, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions};
 use std::path::{Path, PathBuf};
 use touchline_core::progress::Progress;
@@ -29,12 +30,14 @@ impl Runner {
         self.begin("open", Kind::Opening, move |watch| {
             let progress =
                 Progress::new(|text| watch.notify(Action::Disk(DiskReport::Progress(text))));
-            let path = match opening {
-                Opening::Path(path) | Opening::Again(path) => path,
-                Opening::Demo => fresh_demo(&progress)?,
+            let held = held.as_ref();
+            let ready = match opening {
+                Opening::Path(path) | Opening::Again(path) => open_path(&path, held, &progress),
+                Opening::Paths(paths) => open_paths(&paths, held, &progress),
+                Opening::Match(queued) => open_match(&queued, held, &progress),
+                Opening::Demo => open_anything(&fresh_demo(&progress)?, held, &progress),
             };
-            open_anything(&path, held.as_ref(), &progress)
-                .map(|ready| Outcome::Opened(Box::new(ready)))
+            ready.map(|ready| Outcome::Opened(Box::new(ready)))
         });
     }
 
@@ -43,7 +46,7 @@ impl Runner {
     /// By now the application has taken in all reports about the document before, and its edits are
     /// with that document's saver. Later reports about it are discarded.
     pub(super) fn let_in(&mut self, ready: Ready) -> Vec<Action> {
-        self.give_up(|kind| !matches!(kind, Kind::Opening | Kind::Other));
+        self.give_up(|kind| kind == Kind::Beside);
         // Write the document before first. Of its last reports only failures matter.
         let mut actions = self.close();
         actions.push(match self.start_saver(ready) {

@@ -6,7 +6,7 @@
 //! | effect | goes to |
 //! |---|---|
 //! | an operation | [`Background`], one thread for each [`Job`] |
-//! | reading a template, a camera, edits set aside; copying | [`Background`], one thread for each |
+//! | reading a template, other documents, edits set aside; copying | [`Background`], one each |
 //! | an edit, writing the document | [`Saver`] |
 //! | an order for the forest | [`Trainer`] |
 //! | a question, the settings, closing | the window, as a [`Request`] |
@@ -21,11 +21,13 @@ mod document;
 mod task;
 
 use self::document::actions_of;
-use self::task::{Kind, Outcome, Task, camera_with_base, save_copy, show_folder, write_template};
+use self::task::{
+    Kind, Outcome, Task, camera_with_base, look_at_matches, save_copy, show_folder, write_template,
+};
 use super::opening::Ready;
 use super::{Background, BackgroundReport, Saver, SharedPictures, Trainer, Wake};
 use crate::app::operation::{Job, Report};
-use crate::app::{Action, DiskReport, Effect, OutsideOrder, Question};
+use crate::app::{Action, Beside, DiskReport, Effect, OutsideOrder, Question};
 use touchline_core::field::{template_named, template_text};
 use touchline_documents::store::Location;
 
@@ -158,11 +160,20 @@ impl Runner {
                     folder,
                 })))
             }),
-            Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
-                camera_with_base(&path).map(|camera| {
-                    Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera))))
-                })
-            }),
+            Effect::ReadBeside(Beside::Camera(path)) => {
+                self.begin("camera", Kind::Beside, move |_| {
+                    camera_with_base(&path).map(|camera| {
+                        Outcome::Action(Action::Disk(DiskReport::CameraLoaded(Box::new(camera))))
+                    })
+                });
+            }
+            Effect::ReadBeside(Beside::Matches(matches)) => {
+                self.give_up(|kind| kind == Kind::Queue);
+                self.begin("matches of the queue", Kind::Queue, move |watch| {
+                    look_at_matches(&matches, watch);
+                    Ok(Outcome::Nothing)
+                });
+            }
             Effect::ShowFolder(folder) => self.begin("file manager", Kind::Other, move |_| {
                 show_folder(&folder)?;
                 Ok(Outcome::Nothing)

@@ -6,7 +6,7 @@
 use super::Runner;
 use crate::app::{Action, DiskReport};
 use crate::jobs::opening::{Ready, refuse_unwritable};
-use crate::jobs::{Background, BackgroundReport, JobError, Reporter};
+use crate::jobs::{Background, BackgroundReport, JobError, Reporter, look_at_match};
 use std::io::ErrorKind;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -14,6 +14,7 @@ use std::process::{Command, Stdio};
 use touchline_core::field::Template;
 use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store::{self, Location, Store};
+use touchline_season::queue::QueuedMatch;
 
 /// The result of a task.
 pub(super) enum Outcome {
@@ -29,6 +30,8 @@ pub(super) enum Kind {
     Opening,
     /// Reads something for the open document. Discarded when another document replaces that one.
     Beside,
+    /// Looks at the matches of a queue. Discarded when another queue is opened.
+    Queue,
     /// Independent of the open document; always runs to its end.
     Other,
 }
@@ -129,6 +132,19 @@ impl Runner {
         for task in self.tasks.iter_mut().filter(|task| concerned(task.kind)) {
             task.given_up = true;
             task.background.stop();
+        }
+    }
+}
+
+/// Looks at matches, one after the other, until another queue is opened.
+pub(super) fn look_at_matches(matches: &[QueuedMatch], watch: TaskWatch<'_>) {
+    for queued in matches {
+        let seen = DiskReport::MatchSeen {
+            project: queued.project.clone(),
+            state: Box::new(look_at_match(queued)),
+        };
+        if watch.notify(Action::Disk(seen)).is_break() {
+            return;
         }
     }
 }

@@ -427,6 +427,9 @@ pub fn plan(command: Command) -> Plan {
         | C::OpenFolder
         | C::OpenVideo
         | C::OpenQueue
+        | C::NextMatch
+        | C::PreviousMatch
+        | C::QueuePanel
         | C::OpenDemo
         | C::Save
         | C::SaveAs

@@ -19,12 +19,13 @@ pub(super) const SECTIONS: [Command; 12] = [
     Command::About,
 ];
 
-/// The command below which the submenu of recent documents stands: the last that opens something.
-pub(super) const RECENT_BELOW: Command = Command::OpenQueue;
+/// The command below which the submenu of recent documents stands: the last of the menu that opens
+/// something.
+pub(super) const RECENT_BELOW: Command = Command::OpenVideo;
 
 /// Groups of commands that are submenus at the top of their menu. No menu is longer than twelve
 /// rows.
-const SUBMENUS: [(&str, &[Command]); 14] = [
+const SUBMENUS: [(&str, &[Command]); 15] = [
     (
         "Open other",
         &[
@@ -33,6 +34,15 @@ const SUBMENUS: [(&str, &[Command]); 14] = [
             Command::Orphans,
             Command::StopExport,
             Command::ShowExported,
+        ],
+    ),
+    (
+        "Queue",
+        &[
+            Command::OpenQueue,
+            Command::NextMatch,
+            Command::PreviousMatch,
+            Command::QueuePanel,
         ],
     ),
     (

@@ -55,10 +55,16 @@ pub(super) fn place(app: &App, ui: &mut Ui) {
         )
         .on_hover_text(frame.name());
     }
+    if let Some(queue) = app.queue().filter(|_| app.queue_position().is_none()) {
+        let (number, of) = (queue.at() + 1, queue.rows().len());
+        let text = format!("match {} of {}", thousands(number), thousands(of));
+        ui.label(RichText::new(text).color(ui.palette().text))
+            .on_hover_text("Its place in the queue.");
+    }
     if let Some((number, of)) = app.queue_position() {
         let text = format!("{} of {} in the queue", thousands(number), thousands(of));
         ui.label(RichText::new(text).color(ui.palette().text))
-            .on_hover_text("The next frame to do is the next of the season's queue.");
+            .on_hover_text("The next frame to do is the next of the queue.");
     }
     if let Some(reason) = &open.read_only {
         ui.label(

@@ -181,6 +181,7 @@ pub fn is_on(app: &App, command: Command) -> bool {
         Command::CheckTool => app.session.picture.tool == Tool::Check,
         Command::ShowMasks => app.session.picture.tool == Tool::Mask,
         Command::ShowFieldMap => app.settings.field_map,
+        Command::QueuePanel => app.queue().is_some() && app.settings.queue_panel,
         Command::ShowCurves => app.settings.curves,
         Command::SnapPoints => app.settings.snap_points,
         Command::BaseOnPaint => app.settings.base_on_paint,

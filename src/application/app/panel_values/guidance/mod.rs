@@ -175,7 +175,12 @@ fn guide_decided_frame(app: &App, frame: &Frame) -> Option<Guidance> {
             )))
         }
         FrameStatus::Reference if app.open().is_some_and(|open| open.counts().to_do == 0) => {
-            Some(Guidance::say(ALL_DONE).with_button("Export…", Command::Export))
+            let (says, does) = if app.has_next_match() {
+                ("Next match", Command::NextMatch)
+            } else {
+                ("Export…", Command::Export)
+            };
+            Some(Guidance::say(ALL_DONE).with_button(says, does))
         }
         FrameStatus::Reference => {
             let label_next = app.review().advice.next.is_some() && only_labels_help(app);

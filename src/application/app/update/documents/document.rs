@@ -1,10 +1,10 @@
 //! Opens, saves and leaves documents.
 
-use crate::app::effect::{Effect, Opening};
+use crate::app::effect::{Beside, Effect};
 use crate::app::operations::Operations;
 use crate::app::settings::RecentDocument;
 use crate::app::window_state::session::{
-    Dialog, Leaving, Level, Question, Saving, Session, is_to_do,
+    Dialog, Leaving, Level, Opening, Question, Saving, Session, is_to_do,
 };
 use crate::app::{App, Command, Current, OpenProject, Opened};
 use std::path::{Path, PathBuf};
@@ -13,30 +13,35 @@ use touchline_core::field::{FieldError, Template};
 impl App {
     /// Opens a path, as soon as the present document can be left.
     pub(in crate::app) fn open_path(&mut self, path: PathBuf) {
+        self.open_instead(Opening::Path(path));
+    }
+
+    /// Opens something, as soon as the present document can be left.
+    pub(in crate::app) fn open_instead(&mut self, opening: Opening) {
         self.tour_waits = false;
-        self.leave_document(Leaving::Open(path));
+        self.leave_document(Leaving::Open(opening));
     }
 
     /// Opens the demo match, as soon as the present document can be left.
     pub(in crate::app::update) fn open_demo(&mut self) {
-        self.leave_document(Leaving::OpenDemo);
-    }
-
-    /// Starts reading the demo match.
-    pub(super) fn begin_opening_demo(&mut self) {
-        self.session.disk.opening = Some("Opening the demo match…".to_owned());
-        self.effects.push(Effect::Open(Opening::Demo));
+        self.leave_document(Leaving::Open(Opening::Demo));
     }
 
     /// Starts reading a document.
-    pub(super) fn begin_opening(&mut self, path: PathBuf) {
+    pub(super) fn begin_opening(&mut self, opening: Opening) {
         // Earlier errors are obsolete when the user tries again.
         self.session
             .messages
             .notices
             .retain(|notice| notice.level != Level::Error);
-        self.session.disk.opening = Some(format!("Opening {}…", path.display()));
-        self.effects.push(Effect::Open(Opening::Path(path)));
+        let what = match &opening {
+            Opening::Path(path) | Opening::Again(path) => path.display().to_string(),
+            Opening::Paths(paths) => format!("a queue of {}", paths.len()),
+            Opening::Match(queued) => queued.name.clone(),
+            Opening::Demo => "the demo match".to_owned(),
+        };
+        self.session.disk.opening = Some(format!("Opening {what}…"));
+        self.effects.push(Effect::Open(opening));
     }
 
     /// Shows a document that was read, with a new session.
@@ -173,7 +178,9 @@ impl App {
                 self.place_chosen(question, path, !is_typed);
             }
             (Question::CompareWith, Some(_)) => self.compare(path),
-            (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
+            (Question::CameraFrom, Some(_)) => {
+                self.effects.push(Effect::ReadBeside(Beside::Camera(path)));
+            }
             (_, None) => {}
         }
     }

@@ -23,6 +23,7 @@ impl App {
     ///   while writing takes its time: asks what to do with the edits.
     /// * Otherwise waits for the write.
     pub(super) fn leave_document(&mut self, leaving: Leaving) {
+        self.forget_match_to_open();
         let read_only = self
             .open
             .as_ref()
@@ -88,8 +89,7 @@ impl App {
     fn leave(&mut self, leaving: Leaving) {
         match leaving {
             Leaving::Close => self.effects.push(Effect::Close),
-            Leaving::Open(path) => self.begin_opening(path),
-            Leaving::OpenDemo => self.begin_opening_demo(),
+            Leaving::Open(opening) => self.begin_opening(opening),
         }
     }
 

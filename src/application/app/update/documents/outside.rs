@@ -1,8 +1,8 @@
 //! Merges versions of the document: one that another program wrote, and edits to another version
 //! that were set aside.
 
-use crate::app::effect::{Effect, Opening, OrphanOrder, OutsideOrder};
-use crate::app::window_state::session::{Dialog, Level, Mode};
+use crate::app::effect::{Effect, OrphanOrder, OutsideOrder};
+use crate::app::window_state::session::{Dialog, Level, Mode, Opening};
 use crate::app::{App, Command, OutsideChoice};
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::{SolvedAfterMerge, solve_after_merge};
