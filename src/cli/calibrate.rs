@@ -5,6 +5,7 @@ use super::match_report::MatchReport;
 use super::new::{parameter, read_field};
 use super::shot_sheets::write_sheets;
 use super::shot_table::{describe_shots, is_every_field_answered};
+use super::venue::read_venues;
 use crate::cli::terminal::document::{
     Destination, DocumentOutput, Loaded, is_document, refuse_unwritable,
 };
@@ -63,6 +64,11 @@ pub struct CalibrateArgs {
     /// too little, once more from twice as many.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(3..=300))]
     look_at: u32,
+    /// A venue file, or a folder of venue files (`touchline venue` writes them); may be given
+    /// several times. Its cameras are tried first, and a search follows where none of them took
+    /// the frames: features have to recognise these, and their painted lines to confirm it.
+    #[arg(long, value_name = "VENUE")]
+    venue: Vec<PathBuf>,
     /// Also write a picture of what was found, over pan and tilt: the paint that stays in place
     /// while the camera pans, and the field's lines as the base projects them. Where the two
     /// coincide, the base is right.
@@ -105,6 +111,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         refuse_file(report, "the contact sheets")?;
         refuse_existing(report, args.force)?;
     }
+    let venues = read_venues(&args.venue)?;
     // The document names its frames relative to the project's folder, which therefore must exist.
     // Its links are resolved: `..` in such a name goes up from where a link leads.
     let new_folder = NewFolder::make(&args.output)?;
@@ -125,6 +132,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         label_the_rest: !args.found_only,
         find_shots: true,
         work: Some(WorkFolder::beside(&folder.join(PROJECT_FILE))),
+        venues,
     };
     let report = MatchReport::new(messages);
     let interrupt = Interrupt::listen();
