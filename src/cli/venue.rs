@@ -9,14 +9,13 @@ use anyhow::{Context as _, ensure};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use touchline_calibration::pipelines::{LearningProgress, NewVenue, Venue, make_venue};
+use touchline_calibration::pipelines::{
+    LearningProgress, NewVenue, VENUE_ENDING, Venue, make_venue,
+};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Progress;
 use touchline_documents::document::CameraId;
 use touchline_vision::media::FrameReader;
-
-/// The ending of venue files, by which they are found in a folder.
-const ENDING: &str = "venue";
 
 /// Writes the cameras of a project into a venue file: where they stand, their lenses and the field,
 /// and what recognises their pictures. `touchline calibrate --venue` tries them on another match.
@@ -113,13 +112,13 @@ fn venue_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(cannot_read)? {
         let path = entry.with_context(cannot_read)?.path();
-        if path.extension().is_some_and(|ending| ending == ENDING) {
+        if path.extension().is_some_and(|ending| ending == VENUE_ENDING) {
             files.push(path);
         }
     }
     ensure!(
         !files.is_empty(),
-        "{} has no file that ends in .{ENDING}; `touchline venue` writes one",
+        "{} has no file that ends in .{VENUE_ENDING}; `touchline venue` writes one",
         folder.display()
     );
     files.sort();

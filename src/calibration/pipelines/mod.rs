@@ -37,7 +37,7 @@ pub use no_camera::NoCamera;
 pub use track_clips::TrackingEvent;
 pub use track_clips::track_clips;
 pub use venues::{
-    BaseChange, NewVenue, RecognisedCamera, Venue, VenueError, VenueEvent, VenueRefusal, Whereabouts,
+    BaseChange, NewVenue, RecognisedCamera, VENUE_ENDING, Venue, VenueError, VenueEvent, VenueRefusal, Whereabouts,
     make_venue,
 };
 // For the crates above alone: no promise to other programs.

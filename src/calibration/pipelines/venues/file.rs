@@ -24,6 +24,9 @@ use touchline_vision::relocalize::{
     CameraForest, ForestFileError, ForestModel, TrainOptions,
 };
 
+/// The ending of the names of venue files.
+pub const VENUE_ENDING: &str = "venue";
+
 /// Maximum size of a file that is read, bytes; `touchline train` makes forests larger than venues.
 const MAX_BYTES: u64 = 1 << 30;
 

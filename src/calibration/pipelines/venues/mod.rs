@@ -29,5 +29,5 @@ mod trial;
 
 pub use change::{BaseChange, Whereabouts};
 pub use choice::{RecognisedCamera, VenueEvent};
-pub use file::{NewVenue, Venue, VenueError, make_venue};
+pub use file::{NewVenue, VENUE_ENDING, Venue, VenueError, make_venue};
 pub use trial::VenueRefusal;
