@@ -112,7 +112,10 @@ fn venue_files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(cannot_read)? {
         let path = entry.with_context(cannot_read)?.path();
-        if path.extension().is_some_and(|ending| ending == VENUE_ENDING) {
+        if path
+            .extension()
+            .is_some_and(|ending| ending == VENUE_ENDING)
+        {
             files.push(path);
         }
     }

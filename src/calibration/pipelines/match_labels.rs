@@ -292,7 +292,14 @@ pub fn learn_from_found(
         .map(|frame| frame.index)
         .collect();
     on_paint.sort_unstable();
-    learn_from_frames(at, &on_paint, reader, store, &LearnOptions::default(), progress)
+    learn_from_frames(
+        at,
+        &on_paint,
+        reader,
+        store,
+        &LearnOptions::default(),
+        progress,
+    )
 }
 
 /// Trains a forest on frames of a document, as if the user had accepted them; in the document they

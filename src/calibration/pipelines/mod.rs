@@ -37,8 +37,8 @@ pub use no_camera::NoCamera;
 pub use track_clips::TrackingEvent;
 pub use track_clips::track_clips;
 pub use venues::{
-    BaseChange, NewVenue, RecognisedCamera, VENUE_ENDING, Venue, VenueError, VenueEvent, VenueRefusal, Whereabouts,
-    make_venue,
+    BaseChange, NewVenue, RecognisedCamera, VENUE_ENDING, Venue, VenueError, VenueEvent,
+    VenueRefusal, Whereabouts, make_venue,
 };
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]

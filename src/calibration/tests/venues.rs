@@ -80,7 +80,9 @@ fn draw(seed: u64, base: &CameraBase, shift_deg: f64) -> Drawn {
 /// The document of a match whose camera is not known.
 fn new_match() -> Document {
     let mut document = soccer_document();
-    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    document
+        .cameras
+        .push(Camera::new("main".into(), SIZE).into());
     for index in 0..VIEWS as u64 {
         let frame = new_video_frame("no-such-video.mp4", index, SIZE);
         document.frames.push(frame.into());
@@ -175,7 +177,13 @@ fn a_damaged_file_is_no_venue() {
     let file = venue_file();
     let mut altered = file.to_vec();
     altered[file.len() / 2] ^= 1;
-    for bytes in [&[][..], b"{}", &file[..100], &file[..file.len() - 1], &altered] {
+    for bytes in [
+        &[][..],
+        b"{}",
+        &file[..100],
+        &file[..file.len() - 1],
+        &altered,
+    ] {
         let refused = Venue::from_bytes(path, bytes).unwrap_err();
         assert!(matches!(refused, VenueError::Forest { .. }), "{refused:?}");
         assert!(!refused.to_string().contains('\n'));

@@ -168,7 +168,10 @@ pub(super) fn show_folder(folder: &Path) -> Result<(), JobError> {
 
 /// The first camera of a document that has a base.
 pub(super) fn camera_with_base(path: &Path) -> Result<Camera, JobError> {
-    let document = if path.extension().is_some_and(|ending| ending == VENUE_ENDING) {
+    let document = if path
+        .extension()
+        .is_some_and(|ending| ending == VENUE_ENDING)
+    {
         Venue::read(path)?.document().clone()
     } else {
         store::read(path)?.1

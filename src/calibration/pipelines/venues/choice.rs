@@ -1,6 +1,7 @@
 //! Which camera of the venues that a user has took the frames of a match.
 
 use super::change::BaseChange;
+use super::file::Venue;
 use super::trial::{VenueAnswer, VenueRefusal};
 use crate::autocalibrate::{AutocalibrationError, frames_of_fields, spread_over_shots};
 use crate::calibrate::AutocalibratedCamera;
@@ -74,7 +75,7 @@ impl Labelling<'_> {
         let frames = self.frames_to_try(camera);
         let store = self.feature_store();
         let mut answers: Vec<(String, CameraId, VenueAnswer)> = Vec::new();
-        for of_venue in options.venues.iter().flat_map(|venue| venue.cameras()) {
+        for of_venue in options.venues.iter().flat_map(Venue::cameras) {
             let (venue, id) = (of_venue.venue.name.clone(), of_venue.camera.id.clone());
             let answer = self.try_venue(of_venue, camera, &frames, &store);
             if self.progress.is_cancelled() {
@@ -92,8 +93,8 @@ impl Labelling<'_> {
             return Ok(None);
         };
         let (at_m, nats) = (best.found.base.position_m, best.found.evidence.nats);
-        let elsewhere = answers
-            .find(|(.., other)| (other.found.base.position_m - at_m).norm() > SAME_PLACE_M);
+        let elsewhere =
+            answers.find(|(.., other)| (other.found.base.position_m - at_m).norm() > SAME_PLACE_M);
         let runner_up_nats = elsewhere.as_ref().map(|(.., it)| it.found.evidence.nats);
         best.found.evidence.runner_up_nats = runner_up_nats;
         if let (Some((other, ..)), Some(of_other)) = (elsewhere, runner_up_nats)
@@ -149,9 +150,8 @@ impl Labelling<'_> {
         let clip_of = |index: usize| self.document.frames[index].clip.as_ref();
         let answered: BTreeSet<usize> = found.frames.iter().map(|frame| frame.index).collect();
         let known: BTreeSet<Option<&Clip>> = answered.iter().map(|at| clip_of(*at)).collect();
-        let (searched, others): (Vec<usize>, Vec<usize>) = frames
-            .iter()
-            .partition(|at| known.contains(&clip_of(**at)));
+        let (searched, others): (Vec<usize>, Vec<usize>) =
+            frames.iter().partition(|at| known.contains(&clip_of(**at)));
         SearchEnd {
             stages: 1,
             searched,

@@ -5,6 +5,7 @@
 //! train` wrote can be a venue, too; the one that is made here is smaller, and learns from frames
 //! that nobody has looked at if they are certain.
 
+use super::size::{factor_between, scale_base, scale_seen};
 use crate::pipelines::clicked_match::is_certain;
 use crate::pipelines::forest_labels::{LearnForestError, LearningProgress};
 use crate::pipelines::match_labels::learn_from_frames;
@@ -12,17 +13,16 @@ use crate::proposals::{FeatureStore, LearnOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+use touchline_core::camera::CameraBase;
 use touchline_core::files::read_named;
-use touchline_core::geometry::subsample;
+use touchline_core::geometry::{ImageSize, subsample};
 use touchline_core::progress::Progress;
 use touchline_documents::document::{
     Camera, CameraId, Document, DocumentAt, FieldSpec, ReadError, document_from_bytes,
 };
 use touchline_vision::features::FeatureOptions;
 use touchline_vision::media::ReadFrames;
-use touchline_vision::relocalize::{
-    CameraForest, ForestFileError, ForestModel, TrainOptions,
-};
+use touchline_vision::relocalize::{CameraForest, ForestFileError, ForestModel, TrainOptions};
 
 /// The ending of the names of venue files.
 pub const VENUE_ENDING: &str = "venue";
@@ -120,16 +120,25 @@ impl VenueCamera<'_> {
         self.venue.document.field_of_camera(&self.camera.id)
     }
 
-    /// The forest of this camera alone, as that of a camera with another name.
-    pub fn model_for(&self, name: &CameraId) -> ForestModel {
-        ForestModel {
+    /// Its base in pictures of a size; none if they have other proportions than its own.
+    pub fn base_in(&self, size: ImageSize) -> Option<CameraBase> {
+        let factor = factor_between(self.camera.image_size, size)?;
+        Some(scale_base(&self.camera.base()?, factor))
+    }
+
+    /// The forest of this camera alone, as that of a camera with another name in pictures of a
+    /// size; none if they have other proportions.
+    pub fn model_for(&self, name: &CameraId, size: ImageSize) -> Option<ForestModel> {
+        let factor = factor_between(self.camera.image_size, size)?;
+        Some(ForestModel {
             document: String::new(),
             features: self.venue.model.features,
             cameras: vec![CameraForest {
                 camera: name.as_str().to_owned(),
-                ..self.forest.clone()
+                seen: scale_seen(&self.forest.seen, factor),
+                forest: self.forest.forest.clone(),
             }],
-        }
+        })
     }
 }
 
@@ -172,7 +181,9 @@ pub fn make_venue(
     if cameras.is_empty() {
         return Err(VenueError::NothingCertain);
     }
-    document.cameras.retain(|camera| cameras.contains(&camera.id));
+    document
+        .cameras
+        .retain(|camera| cameras.contains(&camera.id));
     learnt.sort_unstable();
     let options = LearnOptions {
         features: FeatureOptions {

@@ -19,12 +19,14 @@
 //! |---|---|
 //! | A venue's file: a forest of few features, with cameras and field | `file.rs` |
 //! | Frames are answered by its features and aligned to their paint; the base is estimated anew | `trial.rs` |
+//! | Pictures of another size than those that the venue knows | `size.rs` |
 //! | The two bases are compared: same place, turned, moved, or another camera | `change.rs` |
 //! | Of several venues the best, if no other one answers nearly as well | `choice.rs` |
 
 mod change;
 mod choice;
 mod file;
+mod size;
 mod trial;
 
 pub use change::{BaseChange, Whereabouts};

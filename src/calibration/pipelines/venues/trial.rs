@@ -50,10 +50,10 @@ pub(super) struct VenueAnswer {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum VenueRefusal {
-    /// Its pictures have another size.
-    #[error("its pictures are {} × {} px", size.width, size.height)]
+    /// Its pictures have other proportions.
+    #[error("its pictures are {} × {} px, of other proportions", size.width, size.height)]
     OtherSize {
-        /// Their size.
+        /// Their size, px.
         size: ImageSize,
     },
     /// It looks at the field of another sport, or one that cannot be had.
@@ -71,7 +71,9 @@ pub enum VenueRefusal {
         of: usize,
     },
     /// Its features are there, and the paint is not.
-    #[error("another camera: {aligned} of {answered} frames that look like its own lie on their paint")]
+    #[error(
+        "another camera: {aligned} of {answered} frames that look like its own lie on their paint"
+    )]
     NotOnPaint {
         /// Number of frames that lie on their paint.
         aligned: usize,
@@ -119,6 +121,14 @@ struct RecognisedFrame {
     ptz: Ptz,
     ground: GroundPicture,
     markings: MarkingPixels,
+}
+
+/// The base that the paint of some frames gives.
+struct Estimate {
+    base: CameraBase,
+    crown_m: f64,
+    /// The frames that took part, by their index in the document, and their cameras.
+    fits: Vec<(usize, Ptz)>,
 }
 
 /// What some frames show with a base.
@@ -185,7 +195,11 @@ impl Labelling<'_> {
         let check = |aligned: usize| {
             let needed = (MIN_ALIGNED_SHARE * answered as f64).max(MIN_ALIGNED as f64);
             let refusal = VenueRefusal::NotOnPaint { aligned, answered };
-            if (aligned as f64) < needed { Err(refusal) } else { Ok(()) }
+            if (aligned as f64) < needed {
+                Err(refusal)
+            } else {
+                Ok(())
+            }
         };
         check(before.aligned_count())?;
         // The base once more, from the paint of these frames alone.
@@ -194,23 +208,29 @@ impl Labelling<'_> {
             *start = snapped.as_ref().map_or(*start, |snapped| snapped.ptz);
             trial.frames[frame.index].point(*start, known.distortion.radial_at(start.focal_px));
         }
-        let Some((base, crown_m, fits)) = self.estimate_again(&trial, of_venue, camera, (&known, &field))
-        else {
+        let again = self.estimate_again(&trial, of_venue, camera, (&known, &field));
+        let Some(estimate) = again else {
             let aligned = before.aligned_count();
             return Err(VenueRefusal::NotOnPaint { aligned, answered });
         };
+        let base = estimate.base;
         let strict = SnapOptions::default();
         let on_known = OnBase::align(&starts, &field, &known, &strict);
         for (frame, start) in &mut starts {
-            let fit = fits.iter().find(|(index, _)| *index == frame.index);
+            let fit = estimate
+                .fits
+                .iter()
+                .find(|(index, _)| *index == frame.index);
             *start = fit.map_or(*start, |(_, ptz)| *ptz);
         }
-        let field_again = FieldModel { crown_m, ..field.clone() };
+        let field_again = FieldModel {
+            crown_m: estimate.crown_m,
+            ..field.clone()
+        };
         let again = OnBase::align(&starts, &field_again, &base, &strict);
         // The known base, if it is as good.
         let mut change = BaseChange::between(&known, &base);
-        let is_as_good = on_known.aligned_count() >= again.aligned_count()
-            || on_known.evidence.nats() >= again.evidence.nats() - SAME_NATS;
+        let is_as_good = on_known.evidence.nats() >= again.evidence.nats() - SAME_NATS;
         if change.whereabouts == Whereabouts::Same && !is_as_good {
             change.whereabouts = Whereabouts::Moved;
         }
@@ -233,7 +253,7 @@ impl Labelling<'_> {
         spec.set_crown_m(field.crown_m);
         let aligned = recognised.iter().zip(on_base.snapped);
         let frames: Vec<AutocalibratedFrame> = aligned
-            .filter_map(|(frame, snapped)| found_frame(frame.index, snapped?))
+            .filter_map(|(frame, snapped)| Some(found_frame(frame.index, snapped?)))
             .collect();
         Ok(VenueAnswer {
             found: AutocalibratedCamera {
@@ -273,9 +293,13 @@ impl Labelling<'_> {
         // A size that the user states is not replaced.
         let is_stated = stated.size == Some(FieldSize::Confirmed);
         let spec = if is_stated { &stated } else { spec };
-        let (size, base) = (of_venue.camera.image_size, of_venue.camera.base());
-        let camera_mut = trial.camera_mut(camera).filter(|it| it.image_size == size);
-        let (Some(camera_mut), Some(base)) = (camera_mut, base) else {
+        let size = of_venue.camera.image_size;
+        let camera_mut = trial.camera_mut(camera);
+        let known = camera_mut.and_then(|camera| {
+            let base = of_venue.base_in(camera.image_size)?;
+            Some((camera, base))
+        });
+        let Some((camera_mut, base)) = known else {
             return Err(VenueRefusal::OtherSize { size });
         };
         camera_mut.set_base(&base);
@@ -285,7 +309,10 @@ impl Labelling<'_> {
                 trial.frames[frame].clicks.clear();
             }
         }
-        let field = trial.at(self.folder).model_of(spec).map_err(|_| other_field())?;
+        let field = trial
+            .at(self.folder)
+            .model_of(spec)
+            .map_err(|_| other_field())?;
         Ok((trial, base, field))
     }
 
@@ -298,7 +325,12 @@ impl Labelling<'_> {
         frames: &[usize],
         store: &FeatureStore,
     ) -> Vec<RecognisedFrame> {
-        let model = of_venue.model_for(camera);
+        let Some(model) = trial
+            .camera(camera)
+            .and_then(|it| of_venue.model_for(camera, it.image_size))
+        else {
+            return Vec::new();
+        };
         let pictures = FramePictures::new(trial, self.folder, model.features, store);
         let forest = ForestRequest {
             model: &model,
@@ -306,11 +338,12 @@ impl Labelling<'_> {
             options: RelocalizeOptions::default(),
         };
         let progress = self.progress.part(|_: usize| of_venue.event());
-        let proposals =
-            propose_on_lines(&pictures, self.reader, frames, &forest, None, &progress);
+        let proposals = propose_on_lines(&pictures, self.reader, frames, &forest, None, &progress);
         let mut recognised = Vec::new();
         for (&index, proposal) in frames.iter().zip(proposals) {
-            let Ok(answer) = proposal.outcome else { continue };
+            let Ok(answer) = proposal.outcome else {
+                continue;
+            };
             let frame = &trial.frames[index];
             if let Ok(picture) = read_picture(&mut *self.reader, frame, self.folder) {
                 let ground = GroundPicture::new(&picture, &trial.masks_of(frame));
@@ -333,7 +366,7 @@ impl Labelling<'_> {
         of_venue: VenueCamera<'_>,
         camera: &CameraId,
         (known, field): (&CameraBase, &FieldModel),
-    ) -> Option<(CameraBase, f64, Vec<(usize, Ptz)>)> {
+    ) -> Option<Estimate> {
         let lens = StatedLens {
             radial: Some(StatedRadial::new(known.distortion, &known.sigma)),
             ..StatedLens::default()
@@ -356,21 +389,21 @@ impl Labelling<'_> {
         let estimated = estimated.ok()?.estimated;
         let fits = estimated.frames.iter().zip(&estimated.estimate.frames);
         let fits = fits.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz)));
-        Some((
-            estimated.estimate.base,
-            estimated.estimate.crown_m,
-            fits.collect(),
-        ))
+        Some(Estimate {
+            base: estimated.estimate.base,
+            crown_m: estimated.estimate.crown_m,
+            fits: fits.collect(),
+        })
     }
 }
 
 /// A frame that lies on its paint.
-fn found_frame(index: usize, snapped: Snapped) -> Option<AutocalibratedFrame> {
-    Some(AutocalibratedFrame {
+fn found_frame(index: usize, snapped: Snapped) -> AutocalibratedFrame {
+    AutocalibratedFrame {
         index,
         ptz: snapped.ptz,
         uncertainty: None,
         unaligned_score: None,
         snapped: Some(snapped),
-    })
+    }
 }
