@@ -220,7 +220,7 @@ fn a_camera_that_stands_where_it_stood_keeps_its_base() {
 
 #[test]
 fn a_camera_that_leans_or_was_moved_gets_the_base_that_its_frames_show() {
-    let lean = from_rotation_vector(Vec3::new(0.0, 0.0, 0.4_f64.to_radians()));
+    let lean = from_rotation_vector(Vec3::new(0.0, 0.0, 0.3_f64.to_radians()));
     let turned = CameraBase {
         base_from_world: lean * base().base_from_world,
         ..base()

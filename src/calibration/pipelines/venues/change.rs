@@ -1,15 +1,16 @@
 //! How a camera stands in comparison with where it was known to stand.
 
+use nalgebra::Matrix2;
 use std::fmt;
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::rotation::rotation_vector;
 use touchline_core::geometry::{Mat3, Vec3};
 
-/// The largest squared distance of two estimates of one position by their joint covariance: 99.7 %
-/// of χ² with three degrees of freedom.
-const MAX_DISTANCE_SQUARED: f64 = 14.2;
-/// The largest difference of two estimates of one lean, joint σ.
-const MAX_TURN_SIGMAS: f64 = 3.0;
+/// The largest squared distance of two estimates of one base, position and lean, by their joint
+/// covariance, and of two estimates of one position: 99.7 % of χ² with five and three degrees of
+/// freedom.
+const MAX_BASE_SQUARED: f64 = 18.0;
+const MAX_POSITION_SQUARED: f64 = 14.2;
 /// Estimates from two matches differ by as much more than their covariances say: lens, crown and
 /// paint are not quite the same. 1-σ, m and degrees.
 const BETWEEN_MATCHES_M: f64 = 0.15;
@@ -42,36 +43,56 @@ pub struct BaseChange {
 }
 
 impl BaseChange {
-    /// Compares a base with the known one. Both are in the pan gauge, so that the rotation between
-    /// them is about horizontal axes: a heading is the pan's matter.
+    /// Compares a base with the known one.
+    ///
+    /// Frames of one match hardly distinguish a camera that is farther away from one that leans a
+    /// little more, so that position and lean are compared together, by their joint covariance; and
+    /// where the position may be the same, the lean is stated as if it were. The heading is the
+    /// pan's matter and is not compared.
     pub fn between(known: &CameraBase, now: &CameraBase) -> Self {
         let apart_m = now.position_m - known.position_m;
-        let covariance = known.sigma.position_covariance()
-            + now.sigma.position_covariance()
-            + Mat3::identity() * BETWEEN_MATCHES_M.powi(2);
-        let turn = rotation_vector(&(now.base_from_world * known.base_from_world.transpose()));
-        let lean_sigma = |base: &CameraBase| base.sigma.rotation.xy().norm();
-        let turned_sigma_deg = lean_sigma(known)
-            .hypot(lean_sigma(now))
-            .to_degrees()
-            .hypot(BETWEEN_MATCHES_DEG);
-        let turned_deg = turn.norm().to_degrees();
-        let distance_squared = covariance
-            .cholesky()
-            .map_or(f64::INFINITY, |joint| apart_m.dot(&joint.solve(&apart_m)));
-        let whereabouts = if distance_squared > MAX_DISTANCE_SQUARED {
-            Whereabouts::Moved
-        } else if turned_deg > MAX_TURN_SIGMAS * turned_sigma_deg {
-            Whereabouts::Turned
+        let [gauged_known, gauged_now] = [known, now].map(|base| base.in_pan_gauge().0);
+        let turn = rotation_vector(
+            &(gauged_known.base_from_world.transpose() * gauged_now.base_from_world),
+        );
+        let all = known.sigma.covariance() + now.sigma.covariance();
+        let positions = all.fixed_view::<3, 3>(0, 0) + Mat3::identity() * BETWEEN_MATCHES_M.powi(2);
+        let leans = all.fixed_view::<2, 2>(3, 3)
+            + Matrix2::identity() * BETWEEN_MATCHES_DEG.to_radians().powi(2);
+        let of_both = all.fixed_view::<2, 3>(3, 0).into_owned();
+        let inverse = positions.try_inverse().unwrap_or_default();
+        // The lean, given that the position is the same (the conditional normal distribution).
+        let lean_if_same = turn.xy() - of_both * inverse * apart_m;
+        let leans_if_same = leans - of_both * inverse * of_both.transpose();
+        let position_squared = apart_m.dot(&(inverse * apart_m));
+        let lean_squared = leans_if_same
+            .try_inverse()
+            .map_or(f64::INFINITY, |inverse| {
+                lean_if_same.dot(&(inverse * lean_if_same))
+            });
+        let (whereabouts, lean, leans) = if position_squared > MAX_POSITION_SQUARED {
+            (Whereabouts::Moved, turn.xy(), leans)
+        } else if position_squared + lean_squared > MAX_BASE_SQUARED {
+            (Whereabouts::Turned, lean_if_same, leans_if_same)
         } else {
-            Whereabouts::Same
+            (Whereabouts::Same, lean_if_same, leans_if_same)
         };
         Self {
             whereabouts,
             moved_m: apart_m.norm(),
-            moved_sigma_m: sigma_along(&covariance, apart_m),
-            turned_deg,
-            turned_sigma_deg,
+            moved_sigma_m: sigma_along(&positions, apart_m),
+            turned_deg: lean.norm().to_degrees(),
+            turned_sigma_deg: (0.5 * leans.trace()).sqrt().to_degrees(),
+        }
+    }
+
+    /// Whether the camera rather leans in another way or was moved, where it is not as it was.
+    pub fn likelier_change(&self) -> Whereabouts {
+        let turned_sigmas = self.turned_deg / self.turned_sigma_deg;
+        if turned_sigmas >= self.moved_m / self.moved_sigma_m {
+            Whereabouts::Turned
+        } else {
+            Whereabouts::Moved
         }
     }
 }
@@ -134,7 +155,7 @@ mod tests {
         assert!((same.moved_m - 0.4).abs() < 1e-9 && same.moved_sigma_m > 0.3);
 
         let lean = from_rotation_vector(Vec3::new(0.3_f64.to_radians(), 0.0, 0.0));
-        now.base_from_world = lean * known.base_from_world;
+        now.base_from_world = known.base_from_world * lean;
         let turned = BaseChange::between(&known, &now);
         assert_eq!(turned.whereabouts, Whereabouts::Turned);
         assert!((turned.turned_deg - 0.3).abs() < 1e-6);

@@ -228,11 +228,11 @@ impl Labelling<'_> {
             ..field.clone()
         };
         let again = OnBase::align(&starts, &field_again, &base, &strict);
-        // The known base, if it is as good.
+        // The known base, if it is as good. The paint sees smaller changes than the covariances.
         let mut change = BaseChange::between(&known, &base);
         let is_as_good = on_known.evidence.nats() >= again.evidence.nats() - SAME_NATS;
         if change.whereabouts == Whereabouts::Same && !is_as_good {
-            change.whereabouts = Whereabouts::Moved;
+            change.whereabouts = change.likelier_change();
         }
         let (base, field, on_base) = match change.whereabouts {
             Whereabouts::Same => (known, field, on_known),
