@@ -118,15 +118,18 @@ impl fmt::Display for BaseChange {
         match whereabouts {
             Whereabouts::Same => write!(
                 out,
-                "same place (measured again: {moved_m:.2} ± {moved_sigma_m:.2} m and {turned_deg:.2} ± {turned_sigma_deg:.2}° off)"
+                "same place (measured again: {moved_m:.2} ± {moved_sigma_m:.2} m and \
+                 {turned_deg:.2} ± {turned_sigma_deg:.2}° off)"
             ),
             Whereabouts::Turned => write!(
                 out,
-                "turned by {turned_deg:.2} ± {turned_sigma_deg:.2}° at the same place ({moved_m:.2} ± {moved_sigma_m:.2} m off)"
+                "turned by {turned_deg:.2} ± {turned_sigma_deg:.2}° at the same place \
+                 ({moved_m:.2} ± {moved_sigma_m:.2} m off)"
             ),
             Whereabouts::Moved => write!(
                 out,
-                "moved by {moved_m:.2} ± {moved_sigma_m:.2} m, turned by {turned_deg:.2} ± {turned_sigma_deg:.2}°"
+                "moved by {moved_m:.2} ± {moved_sigma_m:.2} m, \
+                 turned by {turned_deg:.2} ± {turned_sigma_deg:.2}°"
             ),
         }
     }

@@ -1,8 +1,8 @@
 //! Which camera of the venues that a user has took the frames of a match.
 
-use super::change::BaseChange;
+use super::event::{RecognisedCamera, VenueEvent, VenueRefusal};
 use super::file::Venue;
-use super::trial::{VenueAnswer, VenueRefusal};
+use super::trial::VenueAnswer;
 use crate::autocalibrate::{AutocalibrationError, frames_of_fields, spread_over_shots};
 use crate::calibrate::AutocalibratedCamera;
 use crate::pipelines::kept_search::SearchEnd;
@@ -17,46 +17,6 @@ const TRIED: usize = 16;
 const SAME_PLACE_M: f64 = 1.5;
 /// The best answer has to be better than one from another place by this much, nats.
 const RUNNER_UP_NATS: f64 = 100.0;
-
-/// Events while the venues are tried.
-#[derive(Clone, Debug)]
-pub enum VenueEvent {
-    /// Frames are compared with the features of a venue.
-    Trying {
-        /// The venue.
-        venue: String,
-    },
-    /// A camera of a venue did not take the frames.
-    Refused {
-        /// The venue.
-        venue: String,
-        /// Its camera.
-        camera: CameraId,
-        /// Why not.
-        why: VenueRefusal,
-    },
-    /// A camera of a venue took the frames.
-    Recognised(RecognisedCamera),
-}
-
-/// A camera of a venue that was recognised.
-#[derive(Clone, Debug)]
-pub struct RecognisedCamera {
-    /// The venue.
-    pub venue: String,
-    /// Its camera.
-    pub camera: CameraId,
-    /// How it stands now.
-    pub change: BaseChange,
-    /// Number of frames tried.
-    pub tried: usize,
-    /// Number of them that show what the camera saw.
-    pub answered: usize,
-    /// Number of them that lie on their own paint.
-    pub aligned: usize,
-    /// The evidence of their paint, nats.
-    pub nats: f64,
-}
 
 impl Labelling<'_> {
     /// The camera of a venue that took the frames of `camera`, if there is one: the end of a search

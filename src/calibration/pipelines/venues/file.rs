@@ -226,7 +226,10 @@ pub enum VenueError {
         source: io::Error,
     },
     /// The file is no forest, of another version, or damaged.
-    #[error("{}: no venue can be read from it ({source}); `touchline venue` writes one", path.display())]
+    #[error(
+        "{}: no venue can be read from it ({source}); `touchline venue` writes one",
+        path.display()
+    )]
     Forest {
         /// The file.
         path: PathBuf,
@@ -234,7 +237,10 @@ pub enum VenueError {
         source: ForestFileError,
     },
     /// Its cameras cannot be read.
-    #[error("{}: its cameras cannot be read: {source}; `touchline venue` writes it again", path.display())]
+    #[error(
+        "{}: its cameras cannot be read: {source}; `touchline venue` writes it again",
+        path.display()
+    )]
     Cameras {
         /// The file.
         path: PathBuf,

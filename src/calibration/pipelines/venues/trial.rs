@@ -1,7 +1,7 @@
 //! A camera of a venue, tried on the frames of another match.
 
 use super::change::{BaseChange, Whereabouts};
-use super::choice::VenueEvent;
+use super::event::{VenueEvent, VenueRefusal};
 use super::file::VenueCamera;
 use crate::autocalibrate::MIN_NATS;
 use crate::calibrate::{
@@ -12,10 +12,8 @@ use crate::pipelines::forest_labels::{ForestRequest, propose_on_lines};
 use crate::pipelines::match_labels::{Labelling, MatchEvent};
 use crate::proposals::{FeatureStore, FramePictures, read_picture};
 use rayon::prelude::*;
-use thiserror::Error;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera, StatedLens, StatedRadial};
 use touchline_core::field::FieldModel;
-use touchline_core::geometry::ImageSize;
 use touchline_core::solve::base::{BaseOptions, BaseProgress, CrownModel};
 use touchline_documents::document::{CameraId, Document, FieldSize, FieldSpec};
 use touchline_vision::paint::{GroundPicture, MarkingPixels, SnapOptions, Snapped, snap};
@@ -46,66 +44,6 @@ pub(super) struct VenueAnswer {
     pub answered: usize,
 }
 
-/// Why a camera of a venue is not the one that took some frames.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum VenueRefusal {
-    /// Its pictures have other proportions.
-    #[error("its pictures are {} × {} px, of other proportions", size.width, size.height)]
-    OtherSize {
-        /// Their size, px.
-        size: ImageSize,
-    },
-    /// It looks at the field of another sport, or one that cannot be had.
-    #[error("its field is {template}")]
-    OtherField {
-        /// The template of its field.
-        template: String,
-    },
-    /// Too few frames show its features.
-    #[error("another camera: {answered} of {of} frames show what it saw")]
-    NotRecognised {
-        /// Number of frames that do.
-        answered: usize,
-        /// Number of frames tried.
-        of: usize,
-    },
-    /// Its features are there, and the paint is not.
-    #[error(
-        "another camera: {aligned} of {answered} frames that look like its own lie on their paint"
-    )]
-    NotOnPaint {
-        /// Number of frames that lie on their paint.
-        aligned: usize,
-        /// Number of frames that its features answer.
-        answered: usize,
-    },
-    /// The paint speaks too little for it.
-    #[error(
-        "another camera: evidence of {nats:.0} nats ({MIN_NATS:.0} are needed), {:.0} % of it contradicted",
-        100.0 * contradicted
-    )]
-    LittleEvidence {
-        /// The evidence, nats.
-        nats: f64,
-        /// The share that is contradicted.
-        contradicted: f64,
-    },
-    /// The frames are those of a camera that stands elsewhere.
-    #[error("another camera: {0}")]
-    Elsewhere(BaseChange),
-    /// Another venue answers as well, from another place.
-    #[error("{nats:.0} nats, and {other} from another place {of_other:.0}: neither is taken")]
-    RunnerUp {
-        /// The evidence for this one, nats.
-        nats: f64,
-        /// The other venue.
-        other: String,
-        /// The evidence for that one, nats.
-        of_other: f64,
-    },
-}
-
 impl VenueCamera<'_> {
     /// The event that it is tried.
     fn event(self) -> MatchEvent {
@@ -134,7 +72,7 @@ struct Estimate {
 /// What some frames show with a base.
 struct OnBase {
     /// The alignment of each frame to its paint; none where that fails.
-    snapped: Vec<Option<Snapped>>,
+    alignment: Vec<Option<Snapped>>,
     evidence: Evidence,
 }
 
@@ -149,23 +87,23 @@ impl OnBase {
         let align = |(frame, start): &(&RecognisedFrame, Ptz)| {
             snap(&frame.ground, field, base, *start, &[], options).ok()
         };
-        let snapped: Vec<Option<Snapped>> = frames.par_iter().map(align).collect();
+        let alignment: Vec<Option<Snapped>> = frames.par_iter().map(align).collect();
         let pictures: Vec<(PtzCamera, &MarkingPixels)> = frames
             .iter()
-            .zip(&snapped)
-            .map(|((frame, start), snapped)| {
-                let ptz = snapped.as_ref().map_or(*start, |snapped| snapped.ptz);
+            .zip(&alignment)
+            .map(|((frame, start), alignment)| {
+                let ptz = alignment.as_ref().map_or(*start, |alignment| alignment.ptz);
                 (PtzCamera::new(*base, ptz), &frame.markings)
             })
             .collect();
         Self {
             evidence: Evidence::weigh(field, &pictures),
-            snapped,
+            alignment,
         }
     }
 
     fn aligned_count(&self) -> usize {
-        self.snapped.iter().flatten().count()
+        self.alignment.iter().flatten().count()
     }
 }
 
@@ -204,8 +142,8 @@ impl Labelling<'_> {
         check(before.aligned_count())?;
         // The base once more, from the paint of these frames alone.
         let mut starts = by_features;
-        for ((frame, start), snapped) in starts.iter_mut().zip(&before.snapped) {
-            *start = snapped.as_ref().map_or(*start, |snapped| snapped.ptz);
+        for ((frame, start), alignment) in starts.iter_mut().zip(&before.alignment) {
+            *start = alignment.as_ref().map_or(*start, |alignment| alignment.ptz);
             trial.frames[frame.index].point(*start, known.distortion.radial_at(start.focal_px));
         }
         let again = self.estimate_again(&trial, of_venue, camera, (&known, &field));
@@ -251,9 +189,9 @@ impl Labelling<'_> {
         }
         let mut spec = trial.field_of_camera(camera).clone();
         spec.set_crown_m(field.crown_m);
-        let aligned = recognised.iter().zip(on_base.snapped);
+        let aligned = recognised.iter().zip(on_base.alignment);
         let frames: Vec<AutocalibratedFrame> = aligned
-            .filter_map(|(frame, snapped)| Some(found_frame(frame.index, snapped?)))
+            .filter_map(|(frame, alignment)| Some(found_frame(frame.index, alignment?)))
             .collect();
         Ok(VenueAnswer {
             found: AutocalibratedCamera {
@@ -398,12 +336,12 @@ impl Labelling<'_> {
 }
 
 /// A frame that lies on its paint.
-fn found_frame(index: usize, snapped: Snapped) -> AutocalibratedFrame {
+fn found_frame(index: usize, alignment: Snapped) -> AutocalibratedFrame {
     AutocalibratedFrame {
         index,
-        ptz: snapped.ptz,
+        ptz: alignment.ptz,
         uncertainty: None,
         unaligned_score: None,
-        snapped: Some(snapped),
+        snapped: Some(alignment),
     }
 }
