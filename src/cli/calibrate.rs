@@ -5,6 +5,7 @@ use super::match_report::MatchReport;
 use super::new::{parameter, read_field};
 use super::shot_sheets::write_sheets;
 use super::shot_table::{describe_shots, is_every_field_answered};
+use super::venue::read_venues;
 use crate::cli::terminal::document::{
     Destination, DocumentOutput, Loaded, is_document, refuse_unwritable,
 };
@@ -87,6 +88,11 @@ pub struct LabellingArgs {
     /// them, and a forest that learns from them finds the cameras of other images.
     #[arg(long)]
     found_only: bool,
+    /// A venue file, or a folder of venue files (`touchline venue` writes them); may be given
+    /// several times. Its cameras are tried first, and a search follows where none of them took
+    /// the frames: features have to recognise these, and their painted lines to confirm it.
+    #[arg(long, value_name = "VENUE")]
+    venue: Vec<PathBuf>,
 }
 
 /// How the labelling of a match ended, if it did not fail.
@@ -132,6 +138,7 @@ pub(super) fn label(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<
         refuse_file(report, "the contact sheets")?;
         refuse_existing(report, args.force)?;
     }
+    let venues = read_venues(&args.labelling.venue)?;
     // The document names its frames relative to the project's folder, which therefore must exist.
     // Its links are resolved: `..` in such a name goes up from where a link leads.
     let new_folder = NewFolder::make(&args.output)?;
@@ -152,6 +159,7 @@ pub(super) fn label(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<
         label_the_rest: !args.labelling.found_only,
         find_shots: true,
         work: Some(WorkFolder::beside(&folder.join(PROJECT_FILE))),
+        venues,
     };
     let report = MatchReport::new(messages);
     let interrupt = Interrupt::listen();

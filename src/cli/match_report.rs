@@ -4,7 +4,9 @@ use super::track::TrackingReport;
 use crate::cli::terminal::messages::{Messages, StepBar};
 use std::sync::{Mutex, PoisonError};
 use touchline_calibration::calibrate::{AutocalibratedCamera, describe_size};
-use touchline_calibration::pipelines::{LearningProgress, MatchEvent};
+use touchline_calibration::pipelines::{
+    LearningProgress, MatchEvent, RecognisedCamera, VenueEvent,
+};
 use touchline_core::geometry::pluralise;
 use touchline_core::progress::Share;
 
@@ -58,6 +60,18 @@ impl MatchReport {
                         "{shots} shots, {between} between them, {without_field} without a field"
                     ));
                 }
+            }
+            MatchEvent::Venue(VenueEvent::Trying { venue }) => {
+                let bar = shown.bar.of("Comparing with the venues", PARTS);
+                bar.set_message(venue);
+            }
+            MatchEvent::Venue(VenueEvent::Refused { venue, camera, why }) => {
+                shown.bar.clear();
+                messages.note(&format!("venue {venue}, camera {camera}: {why}"));
+            }
+            MatchEvent::Venue(VenueEvent::Recognised(recognised)) => {
+                shown.bar.clear();
+                messages.note(&describe_recognised(&recognised));
             }
             MatchEvent::Searching(progress) => {
                 let bar = shown.bar.of("Finding the camera", PARTS);
@@ -131,6 +145,23 @@ impl MatchReport {
     }
 }
 
+/// What is said of a camera of a venue that was recognised.
+fn describe_recognised(recognised: &RecognisedCamera) -> String {
+    let RecognisedCamera {
+        venue,
+        camera,
+        change,
+        tried,
+        answered,
+        aligned,
+        nats,
+    } = recognised;
+    format!(
+        "venue {venue}, camera {camera}: {change}; {answered} of {tried} frames show what it saw, \
+         {aligned} of them lie on their paint, evidence {nats:.0} nats"
+    )
+}
+
 /// Reports the camera that was found, and the evidence for it.
 fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
     for size in &found.sizes {
@@ -145,6 +176,10 @@ fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
         "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",
         at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.field.crown_m
     ));
+    // What is measured by a search; a camera of a venue was reported with its own evidence.
+    if evidence.lines.is_empty() {
+        return;
+    }
     if let Some(aspect) = &evidence.pixel_aspect {
         messages.note(&aspect.to_string());
     }

@@ -40,6 +40,7 @@ mod stretched;
 mod terminal;
 mod track;
 mod train;
+mod venue;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use std::path::PathBuf;
@@ -86,6 +87,7 @@ enum Command {
     Synth(measuring::synth::SynthArgs),
     Track(track::TrackArgs),
     Train(train::TrainArgs),
+    Venue(venue::VenueArgs),
 }
 
 /// How a command ended, if it did not fail.
@@ -178,6 +180,7 @@ pub fn run() -> Next {
         Command::Synth(args) => measuring::synth::synth(&args, messages),
         Command::Track(args) => track::track(&args, messages),
         Command::Train(args) => train::train(&args, messages),
+        Command::Venue(args) => venue::venue(&args, messages),
     };
     Next::Exit(exit_code(result, messages))
 }

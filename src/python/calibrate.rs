@@ -74,6 +74,7 @@ pub fn calibrate(
         // Frames that Python decodes are read when they are needed, and these need few.
         find_shots: !found_only,
         work: None,
+        venues: Vec::new(),
     };
     let folder = std::path::absolute(".")?;
     // Texts and paths are sequences in Python, too, so that a path is tried first.

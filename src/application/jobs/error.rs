@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
+use touchline_calibration::pipelines::VenueError;
 use touchline_core::field::FieldError;
 use touchline_documents::document::WriteError;
 use touchline_documents::store::StoreError;
@@ -82,6 +83,9 @@ pub enum JobError {
         /// The folder or video.
         path: PathBuf,
     },
+    /// A venue file cannot be read.
+    #[error(transparent)]
+    Venue(#[from] VenueError),
     /// No camera of the document has a base.
     #[error("{}: no camera has a position and a base rotation", path.display())]
     NoBase {

@@ -81,12 +81,14 @@ mod rotating_camera;
 mod search;
 mod verdict;
 
+pub(crate) use adjustment::evidence::MIN_NATS;
 pub use answer::{AutocalibrationAnswer, DecidingLandmark, WantedClicks};
 pub(crate) use camera::{SearchExtent, find_camera_in_stages};
 pub use camera::{camera_without_clicks, find_camera};
 // For the window alone: no promise to other programs.
 pub use doubt::Doubt;
 pub use error::{Abstention, AutocalibrationError};
+pub(crate) use frames::by_shot::{frames_of_fields, spread_over_shots};
 pub use frames::sampled_frames::PictureOfFrame;
 pub use progress::{AutocalibrationProgress, SearchedPanorama};
 #[doc(hidden)]

@@ -20,6 +20,7 @@ use super::track_clips::{
     TrackingEvent, TrackingOptions, give_first_base, mean_confidence, track_kept_clips,
 };
 use crate::calibrate::{ClipFrames, clips};
+use crate::proposals::LearnOptions;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use touchline_core::geometry::subsample;
@@ -159,7 +160,10 @@ impl Labelling<'_> {
         let store = self.feature_store();
         let at = document.at(self.folder);
         let progress = self.progress.part(MatchEvent::Learning);
-        let Some(forest) = learn_from_frames(at, &learnt, self.reader, &store, &progress)? else {
+        let options = LearnOptions::default();
+        let Some(forest) =
+            learn_from_frames(at, &learnt, self.reader, &store, &options, &progress)?
+        else {
             return Ok(false);
         };
         let files = PictureFiles {
@@ -202,7 +206,7 @@ fn frames_to_ask(document: &Document) -> Vec<usize> {
 }
 
 /// Whether a frame's camera is known, or found with certainty.
-fn is_certain(frame: &Frame) -> bool {
+pub(super) fn is_certain(frame: &Frame) -> bool {
     let solution = frame.solution.as_ref();
     let confidence = solution.and_then(|solution| solution.confidence);
     frame.ptz.is_some()

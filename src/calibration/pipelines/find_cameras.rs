@@ -49,7 +49,7 @@ impl Labelling<'_> {
         &mut self,
         first: &CameraId,
     ) -> Result<Result<Vec<Arc<AutocalibratedCamera>>, NoCamera>, AutocalibrationError> {
-        self.find_cameras_by(first, Self::search)
+        self.find_cameras_by(first, Self::recognise_or_search)
     }
 
     /// As [`find_cameras`](Self::find_cameras), where `search` searches for a camera.
@@ -158,6 +158,14 @@ impl Labelling<'_> {
             why,
             separate_frames,
         });
+    }
+
+    /// Recognises a camera of the user's venues; where none took the frames, searches for theirs.
+    fn recognise_or_search(&mut self, camera: &CameraId, limits: SearchLimits) -> Searched {
+        match self.find_in_venues(camera)? {
+            Some((end, found)) => Ok((end, Some(Ok(found)))),
+            None => self.search(camera, limits),
+        }
     }
 
     /// Searches for a camera, unless the answer to the same search was kept.

@@ -4,7 +4,7 @@
 //! 0. The shots of a video are found, and which of them show a field (`shots.rs`). Where clicks
 //!    determine the camera of a video, it is labelled from them (`clicked_match.rs`).
 //!    Else:
-//! 1. The camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
+//! 1. Where the user has venue files, their cameras are tried (`venues/`). Else the camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
 //! 2. Sampled frames that overlap with none of the others belong to another camera. They are split
 //!    off before the search, and searched in their turn, whether the one before was found or not
 //!    (`find_cameras.rs`).
@@ -22,6 +22,7 @@ use super::kept_work::KeptWork;
 use super::no_camera::NoCamera;
 use super::shots::mark_shots;
 use super::track_clips::{TrackingEvent, TrackingOptions, track_kept_clips};
+use super::venues::{Venue, VenueEvent};
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{AutocalibratedCamera, clips};
 use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, WorkFolder};
@@ -38,7 +39,7 @@ use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{ForestModel, RelocalizeOptions};
 
 /// Options of labelling a match.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MatchOptions {
     /// Maximum number of frames from which each camera is found. 40 by default.
     pub sampled_frames: usize,
@@ -50,6 +51,8 @@ pub struct MatchOptions {
     /// goes on from there, and memory does not grow with the length of a video. None by default:
     /// nothing is kept.
     pub work: Option<WorkFolder>,
+    /// Venues whose cameras are tried before one is searched. None by default.
+    pub venues: Vec<Venue>,
 }
 
 impl Default for MatchOptions {
@@ -59,6 +62,7 @@ impl Default for MatchOptions {
             label_the_rest: true,
             find_shots: true,
             work: None,
+            venues: Vec::new(),
         }
     }
 }
@@ -77,6 +81,8 @@ pub enum MatchEvent {
         /// Number of shots that show no field.
         without_field: usize,
     },
+    /// A venue is tried, or its camera was recognised or not.
+    Venue(VenueEvent),
     /// Progress of the search for a camera.
     Searching(AutocalibrationProgress),
     /// The picture of a frame cannot be read. The search continues with the others.
@@ -286,7 +292,14 @@ pub fn learn_from_found(
         .map(|frame| frame.index)
         .collect();
     on_paint.sort_unstable();
-    learn_from_frames(at, &on_paint, reader, store, progress)
+    learn_from_frames(
+        at,
+        &on_paint,
+        reader,
+        store,
+        &LearnOptions::default(),
+        progress,
+    )
 }
 
 /// Trains a forest on frames of a document, as if the user had accepted them; in the document they
@@ -299,6 +312,7 @@ pub(super) fn learn_from_frames(
     frames: &[usize],
     reader: &mut dyn ReadFrames,
     store: &FeatureStore,
+    options: &LearnOptions,
     progress: &Progress<'_, LearningProgress>,
 ) -> Result<Option<LearntForest>, LearnForestError> {
     // Training uses references, so mark these frames as such in a copy.
@@ -306,9 +320,8 @@ pub(super) fn learn_from_frames(
     for &index in frames {
         accepted.frames[index].status = FrameStatus::Reference;
     }
-    let options = LearnOptions::default();
     let pictures = FramePictures::new(&accepted, at.folder, options.features, store);
-    learn_forest(&pictures, reader, frames, &options, progress)
+    learn_forest(&pictures, reader, frames, options, progress)
 }
 
 /// Queries a forest for frames of a document and aligns the answers to their paint.

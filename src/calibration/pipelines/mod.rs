@@ -7,6 +7,7 @@
 //! | the shots of a document's videos, and what they show | `mark_shots` |
 //! | frames labelled by a forest: train, propose, check, record | [`learn_forest`], [`learn_from_found`], [`propose_on_lines`], [`label_frames`] |
 //! | cameras of another program, one for each frame of a video, put on one camera and its paint | [`mend`] |
+//! | a venue's cameras kept in a file, and known again in another match | [`make_venue`], [`MatchOptions::venues`] |
 //! | clips tracked from known frames, with base and field corrected where needed | [`track_clips`] |
 
 mod clicked_match;
@@ -22,6 +23,7 @@ mod other_cameras;
 mod same_camera;
 mod shots;
 mod track_clips;
+mod venues;
 
 pub use forest_labels::{LearnForestError, LearningProgress};
 pub use match_labels::{
@@ -34,6 +36,10 @@ pub use mend::{
 pub use no_camera::NoCamera;
 pub use track_clips::TrackingEvent;
 pub use track_clips::track_clips;
+pub use venues::{
+    BaseChange, NewVenue, RecognisedCamera, VENUE_ENDING, Venue, VenueError, VenueEvent,
+    VenueRefusal, Whereabouts, make_venue,
+};
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {

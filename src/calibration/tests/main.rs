@@ -12,3 +12,4 @@ mod burnt_in;
 mod checked_documents;
 mod coarse_to_fine;
 mod document;
+mod venues;

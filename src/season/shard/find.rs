@@ -49,6 +49,7 @@ impl Work<'_> {
             // Each label shard sees a window of frames only; this one reads few frames of a match.
             find_shots: false,
             work: None,
+            venues: Vec::new(),
         };
         let mut reader = FrameReader::new();
         let progress = self.progress.part(ShardEvent::Frames);

@@ -53,7 +53,7 @@ fn describe_question(question: Question) -> (&'static str, &'static str, &'stati
             "/matches/other/project.json",
         ),
         Question::CameraFrom => (
-            "Load a camera from a project or dataset",
+            "Load a camera from a project, dataset or venue",
             "Load",
             "/matches/other/project.json",
         ),

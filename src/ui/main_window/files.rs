@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use touchline_application::app::{Action, Question, ViewAction};
 use touchline_application::jobs::{Background, BackgroundReport, Wake};
+use touchline_calibration::pipelines::VENUE_ENDING;
 
 /// Extensions of video files, for the filter of the dialog ([`video_extensions`]).
 const VIDEOS: &[&str] = &[
@@ -111,7 +112,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         Question::DatasetTo => "A folder for the dataset",
         Question::ImportFrom(_) => "Import labels",
         Question::CompareWith => "Compare with another annotator's document",
-        Question::CameraFrom => "Load the camera from a project or dataset",
+        Question::CameraFrom => "Load the camera from a project, dataset or venue",
     });
     let dialog = match near {
         Some(near) => dialog.set_directory(near),
@@ -119,8 +120,11 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
     };
     // Labels of other programs have any extension, so an import has no filter.
     match question {
-        Question::Project | Question::CameraFrom | Question::CompareWith => {
+        Question::Project | Question::CompareWith => {
             dialog.add_filter("Projects and datasets", &["json"])
+        }
+        Question::CameraFrom => {
+            dialog.add_filter("Projects, datasets and venues", &["json", VENUE_ENDING])
         }
         Question::Video => dialog.add_filter("Videos", &video_extensions()),
         Question::Queue => dialog.add_filter("Queues", &["json"]),

@@ -278,7 +278,7 @@ rows! {
     DropEstimatedBase, "drop_estimated_base", Camera, Picture, Frame, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
     StopSolving, "stop_solving", Camera, Picture, Frame, "Stop solving frames again", "Stop the change that solves many frames again; nothing is changed.", [];
     UseForBase, "use_for_base", Camera, Picture, Frame, "Leave this frame out of the base", "Exclude this frame's points from the estimation of the base, or include them again.", [];
-    LoadCamera, "load_camera", Camera, Document, Frame, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
+    LoadCamera, "load_camera", Camera, Document, Frame, "Load a camera…", "Copy the camera's base from another project or dataset, or from a venue file.", [];
     AssignToCamera, "assign_to_camera", Camera, Picture, Frame, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
     NewCameraFromChange, "new_camera_from_change", Camera, Picture, Frame, "New camera from where it stopped fitting", "If the camera was moved, create a new camera for the frames from there on.", [];
     KeepBurntIn, "keep_burnt_in", Camera, Picture, Frame, "Mask burned-in graphics", "Turn the score bugs, banners, watermarks and black boxes that were found into masks of the camera, each for the frames that show it. One step of undo.", [];

@@ -11,6 +11,7 @@ use std::io::ErrorKind;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use touchline_calibration::pipelines::{VENUE_ENDING, Venue};
 use touchline_core::field::Template;
 use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store::{self, Location, Store};
@@ -207,7 +208,14 @@ pub(super) fn show_folder(folder: &Path) -> Result<(), JobError> {
 
 /// The first camera of a document that has a base.
 pub(super) fn camera_with_base(path: &Path) -> Result<Camera, JobError> {
-    let (_, document, _) = store::read(path)?;
+    let document = if path
+        .extension()
+        .is_some_and(|ending| ending == VENUE_ENDING)
+    {
+        Venue::read(path)?.document().clone()
+    } else {
+        store::read(path)?.1
+    };
     let camera = document
         .cameras
         .iter()

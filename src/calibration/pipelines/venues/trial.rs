@@ -1,0 +1,347 @@
+//! A camera of a venue, tried on the frames of another match.
+
+use super::change::{BaseChange, Whereabouts};
+use super::event::{VenueEvent, VenueRefusal};
+use super::file::VenueCamera;
+use crate::autocalibrate::MIN_NATS;
+use crate::calibrate::{
+    AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence, estimate_on_paint,
+};
+use crate::evidence::Evidence;
+use crate::pipelines::forest_labels::{ForestRequest, propose_on_lines};
+use crate::pipelines::match_labels::{Labelling, MatchEvent};
+use crate::proposals::{FeatureStore, FramePictures, read_picture};
+use rayon::prelude::*;
+use touchline_core::camera::{CameraBase, Ptz, PtzCamera, StatedLens, StatedRadial};
+use touchline_core::field::FieldModel;
+use touchline_core::solve::base::{BaseOptions, BaseProgress, CrownModel};
+use touchline_documents::document::{CameraId, Document, FieldSize, FieldSpec};
+use touchline_vision::paint::{GroundPicture, MarkingPixels, SnapOptions, Snapped, snap};
+use touchline_vision::relocalize::RelocalizeOptions;
+
+/// Minimum number of frames that features answer and that lie on their paint.
+const MIN_ALIGNED: usize = 4;
+/// Minimum share of the answered frames that lie on their paint.
+const MIN_ALIGNED_SHARE: f64 = 0.5;
+/// A base explains too little if more than this share of what speaks for it speaks against it.
+const MAX_CONTRADICTED: f64 = 0.15;
+/// A camera that stands farther from the known one is another camera of the venue, m.
+const MAX_MOVED_M: f64 = 5.0;
+/// Where the known base explains the paint as well as the one that is estimated from it, it is
+/// kept: this much less evidence is noise, nats.
+const SAME_NATS: f64 = 20.0;
+
+/// A camera of a venue that took frames of another match.
+#[derive(Clone, Debug)]
+pub(super) struct VenueAnswer {
+    /// The camera, with its frames that lie on their paint. Its evidence has nats alone.
+    pub found: AutocalibratedCamera,
+    /// The field of the venue.
+    pub field: FieldSpec,
+    /// How it stands now.
+    pub change: BaseChange,
+    /// Number of frames that features answered.
+    pub answered: usize,
+}
+
+impl VenueCamera<'_> {
+    /// The event that it is tried.
+    fn event(self) -> MatchEvent {
+        MatchEvent::Venue(VenueEvent::Trying {
+            venue: self.venue.name.clone(),
+        })
+    }
+}
+
+/// A frame whose direction is known by its features.
+struct RecognisedFrame {
+    index: usize,
+    ptz: Ptz,
+    ground: GroundPicture,
+    markings: MarkingPixels,
+}
+
+/// The base that the paint of some frames gives.
+struct Estimate {
+    base: CameraBase,
+    crown_m: f64,
+    /// The frames that took part, by their index in the document, and their cameras.
+    fits: Vec<(usize, Ptz)>,
+}
+
+/// What some frames show with a base.
+struct OnBase {
+    /// The alignment of each frame to its paint; none where that fails.
+    alignment: Vec<Option<Snapped>>,
+    evidence: Evidence,
+}
+
+impl OnBase {
+    /// Aligns frames to their paint, each from its own start, and weighs all of their paint.
+    fn align(
+        frames: &[(&RecognisedFrame, Ptz)],
+        field: &FieldModel,
+        base: &CameraBase,
+        options: &SnapOptions,
+    ) -> Self {
+        let align = |(frame, start): &(&RecognisedFrame, Ptz)| {
+            snap(&frame.ground, field, base, *start, &[], options).ok()
+        };
+        let alignment: Vec<Option<Snapped>> = frames.par_iter().map(align).collect();
+        let pictures: Vec<(PtzCamera, &MarkingPixels)> = frames
+            .iter()
+            .zip(&alignment)
+            .map(|((frame, start), alignment)| {
+                let ptz = alignment.as_ref().map_or(*start, |alignment| alignment.ptz);
+                (PtzCamera::new(*base, ptz), &frame.markings)
+            })
+            .collect();
+        Self {
+            evidence: Evidence::weigh(field, &pictures),
+            alignment,
+        }
+    }
+
+    fn aligned_count(&self) -> usize {
+        self.alignment.iter().flatten().count()
+    }
+}
+
+impl Labelling<'_> {
+    /// Tries a camera of a venue on some frames of `camera`.
+    ///
+    /// # Errors
+    /// The reason why it is not the camera that took them.
+    pub(super) fn try_venue(
+        &mut self,
+        of_venue: VenueCamera<'_>,
+        camera: &CameraId,
+        frames: &[usize],
+        store: &FeatureStore,
+    ) -> Result<VenueAnswer, VenueRefusal> {
+        let (mut trial, known, field) = self.trial_document(of_venue, camera)?;
+        let recognised = self.recognise(&trial, of_venue, camera, frames, store);
+        let answered = recognised.len();
+        if answered < MIN_ALIGNED {
+            let of = frames.len();
+            return Err(VenueRefusal::NotRecognised { answered, of });
+        }
+        // With the known base. A camera that leans in another way lies on its paint less exactly.
+        let by_features: Vec<_> = recognised.iter().map(|it| (it, it.ptz)).collect();
+        let loose = SnapOptions::for_unknown_lens();
+        let before = OnBase::align(&by_features, &field, &known, &loose);
+        let check = |aligned: usize| {
+            let needed = (MIN_ALIGNED_SHARE * answered as f64).max(MIN_ALIGNED as f64);
+            let refusal = VenueRefusal::NotOnPaint { aligned, answered };
+            if (aligned as f64) < needed {
+                Err(refusal)
+            } else {
+                Ok(())
+            }
+        };
+        check(before.aligned_count())?;
+        // The base once more, from the paint of these frames alone.
+        let mut starts = by_features;
+        for ((frame, start), alignment) in starts.iter_mut().zip(&before.alignment) {
+            *start = alignment.as_ref().map_or(*start, |alignment| alignment.ptz);
+            trial.frames[frame.index].point(*start, known.distortion.radial_at(start.focal_px));
+        }
+        let again = self.estimate_again(&trial, of_venue, camera, (&known, &field));
+        let Some(estimate) = again else {
+            let aligned = before.aligned_count();
+            return Err(VenueRefusal::NotOnPaint { aligned, answered });
+        };
+        let base = estimate.base;
+        let strict = SnapOptions::default();
+        let on_known = OnBase::align(&starts, &field, &known, &strict);
+        for (frame, start) in &mut starts {
+            let fit = estimate
+                .fits
+                .iter()
+                .find(|(index, _)| *index == frame.index);
+            *start = fit.map_or(*start, |(_, ptz)| *ptz);
+        }
+        let field_again = FieldModel {
+            crown_m: estimate.crown_m,
+            ..field.clone()
+        };
+        let again = OnBase::align(&starts, &field_again, &base, &strict);
+        // The known base, if it is as good. The paint sees smaller changes than the covariances.
+        let mut change = BaseChange::between(&known, &base);
+        let is_as_good = on_known.evidence.nats() >= again.evidence.nats() - SAME_NATS;
+        if change.whereabouts == Whereabouts::Same && !is_as_good {
+            change.whereabouts = change.likelier_change();
+        }
+        let (base, field, on_base) = match change.whereabouts {
+            Whereabouts::Same => (known, field, on_known),
+            Whereabouts::Turned | Whereabouts::Moved => (base, field_again, again),
+        };
+        check(on_base.aligned_count())?;
+        if change.moved_m > MAX_MOVED_M {
+            return Err(VenueRefusal::Elsewhere(change));
+        }
+        let (nats, contradicted) = (
+            on_base.evidence.nats(),
+            on_base.evidence.contradicted_share(),
+        );
+        if nats < MIN_NATS || contradicted > MAX_CONTRADICTED {
+            return Err(VenueRefusal::LittleEvidence { nats, contradicted });
+        }
+        let mut spec = trial.field_of_camera(camera).clone();
+        spec.set_crown_m(field.crown_m);
+        let aligned = recognised.iter().zip(on_base.alignment);
+        let frames: Vec<AutocalibratedFrame> = aligned
+            .filter_map(|(frame, alignment)| Some(found_frame(frame.index, alignment?)))
+            .collect();
+        Ok(VenueAnswer {
+            found: AutocalibratedCamera {
+                base,
+                field,
+                sizes: Vec::new(),
+                evidence: AutocalibrationEvidence {
+                    frames: frames.len(),
+                    nats,
+                    ..AutocalibrationEvidence::default()
+                },
+                frames,
+                others: Vec::new(),
+                paint: Vec::new(),
+            },
+            field: spec,
+            change,
+            answered,
+        })
+    }
+
+    /// The document with a base and a field of a venue, and no clicks; the base and the field.
+    fn trial_document(
+        &self,
+        of_venue: VenueCamera<'_>,
+        camera: &CameraId,
+    ) -> Result<(Document, CameraBase, FieldModel), VenueRefusal> {
+        let mut trial = self.document.clone();
+        let stated = trial.field_of_camera(camera).clone();
+        let spec = of_venue.field();
+        let other_field = || VenueRefusal::OtherField {
+            template: spec.template.clone(),
+        };
+        if spec.template != stated.template {
+            return Err(other_field());
+        }
+        // A size that the user states is not replaced.
+        let is_stated = stated.size == Some(FieldSize::Confirmed);
+        let spec = if is_stated { &stated } else { spec };
+        let size = of_venue.camera.image_size;
+        let camera_mut = trial.camera_mut(camera);
+        let known = camera_mut.and_then(|camera| {
+            let base = of_venue.base_in(camera.image_size)?;
+            Some((camera, base))
+        });
+        let Some((camera_mut, base)) = known else {
+            return Err(VenueRefusal::OtherSize { size });
+        };
+        camera_mut.set_base(&base);
+        camera_mut.field = Some(spec.clone());
+        for frame in 0..trial.frames.len() {
+            if !trial.frames[frame].clicks.is_empty() {
+                trial.frames[frame].clicks.clear();
+            }
+        }
+        let field = trial
+            .at(self.folder)
+            .model_of(spec)
+            .map_err(|_| other_field())?;
+        Ok((trial, base, field))
+    }
+
+    /// The frames whose direction the features of a camera give.
+    fn recognise(
+        &mut self,
+        trial: &Document,
+        of_venue: VenueCamera<'_>,
+        camera: &CameraId,
+        frames: &[usize],
+        store: &FeatureStore,
+    ) -> Vec<RecognisedFrame> {
+        let Some(model) = trial
+            .camera(camera)
+            .and_then(|it| of_venue.model_for(camera, it.image_size))
+        else {
+            return Vec::new();
+        };
+        let pictures = FramePictures::new(trial, self.folder, model.features, store);
+        let forest = ForestRequest {
+            model: &model,
+            generation: 0,
+            options: RelocalizeOptions::default(),
+        };
+        let progress = self.progress.part(|_: usize| of_venue.event());
+        let proposals = propose_on_lines(&pictures, self.reader, frames, &forest, None, &progress);
+        let mut recognised = Vec::new();
+        for (&index, proposal) in frames.iter().zip(proposals) {
+            let Ok(answer) = proposal.outcome else {
+                continue;
+            };
+            let frame = &trial.frames[index];
+            if let Ok(picture) = read_picture(&mut *self.reader, frame, self.folder) {
+                let ground = GroundPicture::new(&picture, &trial.masks_of(frame));
+                recognised.push(RecognisedFrame {
+                    index,
+                    ptz: answer.ptz.ptz(),
+                    markings: MarkingPixels::detect(&ground),
+                    ground,
+                });
+            }
+        }
+        recognised
+    }
+
+    /// The base, the crown and the frames' cameras by the paint of the frames alone; the lens and
+    /// the crown are those of the venue, as well as they are known there.
+    fn estimate_again(
+        &mut self,
+        trial: &Document,
+        of_venue: VenueCamera<'_>,
+        camera: &CameraId,
+        (known, field): (&CameraBase, &FieldModel),
+    ) -> Option<Estimate> {
+        let lens = StatedLens {
+            radial: Some(StatedRadial::new(known.distortion, &known.sigma)),
+            ..StatedLens::default()
+        };
+        let options = BaseOptions {
+            crown: Some(CrownModel::Fixed(field.crown_m)),
+            placing_frames: usize::MAX,
+            ..BaseOptions::default()
+        }
+        .with_lens(&lens, trial.camera(camera)?.image_size);
+        let (reader, folder) = (&mut *self.reader, self.folder);
+        let estimated = estimate_on_paint(
+            trial.at(folder),
+            camera,
+            &options,
+            false,
+            &mut |frame| read_picture(&mut *reader, frame, folder).ok(),
+            &self.progress.part(|_: BaseProgress| of_venue.event()),
+        );
+        let estimated = estimated.ok()?.estimated;
+        let fits = estimated.frames.iter().zip(&estimated.estimate.frames);
+        let fits = fits.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz)));
+        Some(Estimate {
+            base: estimated.estimate.base,
+            crown_m: estimated.estimate.crown_m,
+            fits: fits.collect(),
+        })
+    }
+}
+
+/// A frame that lies on its paint.
+fn found_frame(index: usize, alignment: Snapped) -> AutocalibratedFrame {
+    AutocalibratedFrame {
+        index,
+        ptz: alignment.ptz,
+        uncertainty: None,
+        unaligned_score: None,
+        snapped: Some(alignment),
+    }
+}
