@@ -18,7 +18,7 @@
 //! | 4 | [`collect`] (projects, queue and table from parts), [`shard`] (one unit of work) |
 //! | 3 | [`part`] (the file that a shard writes) |
 //! | 2 | [`plan`] (from a season to its shards) |
-//! | 1 | [`season_file`] (what a person writes), [`queue`], [`source`] (frames), [`processor`], [`parent`] |
+//! | 1 | [`season_file`] (what a person writes), [`queue`], [`source`], [`processor`], [`parent`] |
 
 #![allow(
     missing_docs,
