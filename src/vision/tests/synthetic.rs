@@ -538,9 +538,10 @@ fn contrast(picture: &RgbImage, camera: &PtzCamera, field: &FieldModel, offset: 
 
 #[test]
 fn each_court_is_drawn_the_same_twice_with_its_lines_where_the_camera_has_them() {
-    for scene in COURTS {
+    for (index, scene) in COURTS.into_iter().enumerate() {
         let field = builtin(scene.template()).unwrap().default_model().unwrap();
-        for side in SIDES {
+        // Two of its three cameras, since each picture takes most of a second.
+        for side in [SIDES[index % 3], SIDES[(index + 1) % 3]] {
             let size = ImageSize::new(960, 540);
             let (picture, camera) = court_picture(scene, side, size);
             let (here, beside) = (
