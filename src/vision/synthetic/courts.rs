@@ -60,7 +60,7 @@ pub enum SceneError {
     #[error("there is no scene {0:?}; there are {names}", names = names(&Scene::ALL))]
     UnknownScene(String),
     /// No place of a camera has this name.
-    #[error("there is no place {0:?} for a camera; there are {names}", names = names(&CameraSide::ALL))]
+    #[error("no camera stands at {0:?}; there are {names}", names = names(&CameraSide::ALL))]
     UnknownSide(String),
     /// The scene has no camera there.
     #[error("the scene {scene} has no camera at the {side}; it has {}", names(&sides(*.scene)))]

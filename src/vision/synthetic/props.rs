@@ -116,8 +116,8 @@ fn raised(field: &FieldModel, net_m: f64) -> Vec<Prop> {
         if !is_rink && !is_net && !is_arc {
             continue;
         }
-        // Straight pieces, so that one that lies partly behind the camera loses only a piece; a ring
-        // has a dozen.
+        // Straight pieces, so that one that lies partly behind the camera loses only a piece; a
+        // ring has a dozen.
         let ring = if line.curve.is_closed() { 12.0 } else { 1.0 };
         let count = if is_net {
             1.0

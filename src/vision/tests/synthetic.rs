@@ -563,9 +563,8 @@ fn a_scene_without_such_a_camera_and_unknown_names_are_refused() {
     let refused = Setting::new(Scene::Stadium, Some(CameraSide::End));
     assert!(matches!(refused, Err(SceneError::NoCamera { .. })));
     assert!(Setting::new(Scene::Tennis, None).is_ok());
-    assert!(
-        matches!("curling".parse::<Scene>(), Err(SceneError::UnknownScene(name)) if name == "curling")
-    );
+    let unknown = "curling".parse::<Scene>();
+    assert!(matches!(unknown, Err(SceneError::UnknownScene(name)) if name == "curling"));
     assert!(matches!(
         "roof".parse::<CameraSide>(),
         Err(SceneError::UnknownSide(_))
