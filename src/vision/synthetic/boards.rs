@@ -9,10 +9,6 @@ use touchline_core::geometry::Vec3;
 
 /// The height of the boards, m.
 pub(super) const HEIGHT_M: f64 = 0.95;
-/// From the far touchline to the boards, m.
-pub(super) const BEHIND_TOUCHLINE_M: f64 = 4.2;
-/// From the goal lines to the boards, m.
-pub(super) const BEHIND_GOAL_LINE_M: f64 = 5.6;
 
 const TEXELS_PER_M: f64 = 56.0;
 const AD_WIDTH_M: f64 = 7.6;

@@ -4,36 +4,12 @@
 //! Lines, posts, nets and boards come from the template itself, so that a sport needs a row of this
 //! table and no code.
 
-use super::floor::{Finish, SURFACES, Surface};
-use super::options::Daylight;
+use super::options::{Daylight, Scene};
 use super::play::Squad;
 use super::texture::{hash, sub_seed, unit};
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
-
-/// What is drawn: the stadium with its soccer match, or the court of another sport.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Scene {
-    /// A soccer match in a stadium.
-    #[default]
-    Stadium,
-    /// A basketball hall, with the lines of other sports.
-    Basketball,
-    /// An ice hockey rink.
-    Hockey,
-    /// A tennis court, hard or clay.
-    Tennis,
-    /// A badminton court on a mat.
-    Badminton,
-    /// A volleyball court in a hall.
-    Volleyball,
-    /// A handball court in a hall.
-    Handball,
-    /// A field of American football.
-    Football,
-}
 
 /// Where a camera stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +36,7 @@ pub enum SceneError {
     #[error("there is no scene {0:?}; there are {names}", names = names(&Scene::ALL))]
     UnknownScene(String),
     /// No place of a camera has this name.
-    #[error("there is no place {0:?} for a camera; there are {names}", names = names(&CameraSide::ALL))]
+    #[error("no camera stands at {0:?}; there are {names}", names = names(&CameraSide::ALL))]
     UnknownSide(String),
     /// The scene has no camera there.
     #[error("the scene {scene} has no camera at the {side}; it has {}", names(&sides(*.scene)))]
@@ -205,6 +181,30 @@ impl Setting {
     }
 }
 
+/// What a floor is made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Surface {
+    Wood,
+    Hard,
+    Clay,
+    Ice,
+    Mat,
+    Turf,
+}
+
+/// From the far touchline to the boards, m.
+const BEHIND_TOUCHLINE_M: f64 = 4.2;
+/// From the goal lines to the boards, m.
+const BEHIND_GOAL_LINE_M: f64 = 5.6;
+
+/// From the goal lines and from the touchlines of a scene to its boards, m.
+pub(super) fn boards_m(scene: Scene) -> [f64; 2] {
+    let court = scene.court();
+    court.map_or([BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M], |court| {
+        court.boards_m
+    })
+}
+
 /// A court of a sport.
 #[derive(Debug)]
 pub(super) struct Court {
@@ -241,14 +241,6 @@ pub(super) struct OtherCourt {
     pub centres_m: &'static [[f64; 2]],
     /// Whether they lie across this court.
     pub is_across: bool,
-}
-
-impl Court {
-    /// The surface and the colours of the seed's floor.
-    pub fn floor(&self, seed: u32) -> (&'static Finish, [u32; 3]) {
-        let (surface, colours) = self.floors[hash(seed, 7, 7) as usize % self.floors.len()];
-        (&SURFACES[surface as usize], colours)
-    }
 }
 
 const WHITE: u32 = 0xF3_F5EE;

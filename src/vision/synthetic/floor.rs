@@ -11,17 +11,6 @@ use super::texture::{Texture, hash, sub_seed, survives, unit, value_noise};
 use touchline_core::field::{FieldError, FieldModel, builtin};
 use touchline_core::geometry::Vec3;
 
-/// What a floor is made of.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Surface {
-    Wood,
-    Hard,
-    Clay,
-    Ice,
-    Mat,
-    Turf,
-}
-
 /// How a surface looks from near and from afar.
 #[derive(Debug)]
 pub(super) struct Finish {
@@ -42,8 +31,8 @@ pub(super) struct Finish {
 /// Width of a seam, m.
 const SEAM_M: f64 = 0.003;
 
-/// The finishes, in the order of [`Surface`].
-pub(super) const SURFACES: [Finish; 6] = [
+/// The finishes, in the order of `Surface`.
+const SURFACES: [Finish; 6] = [
     Finish {
         grain: &[(2.5, 3.0, 0.04), (0.5, 0.02, 0.06), (0.12, 0.008, 0.06)],
         boards: [0.07, 1.6, 0.13],
@@ -202,7 +191,9 @@ const LOGO_TEXELS: usize = 320;
 impl Floor {
     pub fn new(seed: u64, court: &Court, field: &FieldModel) -> Self {
         let seed = sub_seed(seed, 0xF100);
-        let (finish, [inside, around, area_colour]) = court.floor(seed);
+        // The seed chooses one of the sport's floors.
+        let (surface, colours) = court.floors[hash(seed, 7, 7) as usize % court.floors.len()];
+        let (finish, [inside, around, area_colour]) = (&SURFACES[surface as usize], colours);
         let half = Vec3::new(0.5 * field.length_m, 0.5 * field.width_m, 0.0);
         let place = |name: &str, end: &str| {
             let landmark = field.landmark(&name.replace('@', end))?;

@@ -1,6 +1,7 @@
 //! The ground: mown stripes, worn places and grain that differs from place to place, and what lies
 //! beyond the grass.
 
+use super::courts::boards_m;
 use super::floor::{Floor, LineLayer, grain_tone, line_layers};
 use super::light::{Light, hex, mix, smooth_step};
 use super::options::StadiumOptions;
@@ -63,7 +64,7 @@ impl Ground {
             floor,
             lines: court.map_or_else(all, |court| line_layers(court, field)),
             paint_left: finish_left * options.paint_left.clamp(0.0, 1.0) as f32,
-            boards_m: options.boards_m(),
+            boards_m: boards_m(options.scene),
             half_length,
             half_width,
             stripe_m: field.length_m / (field.length_m / 5.5).round().max(1.0),

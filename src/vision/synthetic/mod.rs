@@ -47,8 +47,8 @@ pub use stadium::stadium;
 #[doc(hidden)]
 pub use {
     clicks::ClickOptions, clicks::ClickTarget, clicks::SyntheticClick, clicks::generate_clicks,
-    courts::CameraSide, courts::Scene, courts::SceneError, courts::Setting, options::CameraMotion,
-    options::Daylight, options::FrameOptions, options::Graphics, options::Preset,
+    courts::CameraSide, courts::SceneError, courts::Setting, options::CameraMotion,
+    options::Daylight, options::FrameOptions, options::Graphics, options::Preset, options::Scene,
     options::ShootOptions, options::StadiumOptions, options::UnknownPreset, path::PathStep,
     path::camera_path, play::Side, props::Mover, render::RenderedFrame, render::SeenMover,
     stadium::Stadium,

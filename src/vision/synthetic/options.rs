@@ -1,9 +1,6 @@
 //! What a drawn match looks like and how a camera takes it, with units, and presets from easy to
 //! hard.
 
-use super::boards::{BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M};
-use super::courts::{Scene, Setting};
-use super::path::whole_field;
 use std::str::FromStr;
 use thiserror::Error;
 use touchline_core::camera::{BaseAngles, CameraBase, FocalCurve};
@@ -39,14 +36,29 @@ impl StadiumOptions {
             paint_left: 1.0,
         }
     }
+}
 
-    /// From the goal lines and from the touchlines to the boards, m.
-    pub(super) fn boards_m(&self) -> [f64; 2] {
-        let court = self.scene.court();
-        court.map_or([BEHIND_GOAL_LINE_M, BEHIND_TOUCHLINE_M], |court| {
-            court.boards_m
-        })
-    }
+/// What is drawn: the stadium with its soccer match, or the court of another sport.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Scene {
+    /// A soccer match in a stadium.
+    #[default]
+    Stadium,
+    /// A basketball hall, with the lines of other sports.
+    Basketball,
+    /// An ice hockey rink.
+    Hockey,
+    /// A tennis court, hard or clay.
+    Tennis,
+    /// A badminton court on a mat.
+    Badminton,
+    /// A volleyball court in a hall.
+    Volleyball,
+    /// A handball court in a hall.
+    Handball,
+    /// A field of American football.
+    Football,
 }
 
 /// What changes in a stadium while a match goes on: spectators move, people come and go, boards
@@ -277,44 +289,6 @@ impl ShootOptions {
                 image_size.centre(),
             )
         }
-    }
-}
-
-/// The focal lengths of a camera beside a court, as multiples of the one that shows it whole.
-const COURT_ZOOM: [f64; 2] = [1.3, 2.8];
-
-impl ShootOptions {
-    /// The camera of a setting, and how it takes the court: with the light of the place, and with
-    /// focal lengths that fit it. Those of the stadium are the preset's.
-    pub fn in_setting(
-        &self,
-        setting: Setting,
-        field: &FieldModel,
-        image_size: ImageSize,
-        seed: u64,
-    ) -> (CameraBase, Self) {
-        let base = self.main_camera(image_size);
-        let Some([x, y, z]) = setting.camera_m(seed) else {
-            return (base, *self);
-        };
-        let position_m = Vec3::new(x, y, z);
-        let angles = BaseAngles {
-            heading: Angle::from_radians((-x).atan2(-y)),
-            pitch: Angle::from_degrees(-0.3),
-            roll: Angle::from_degrees(0.25),
-        };
-        let base = CameraBase {
-            position_m,
-            base_from_world: angles.base_from_world(),
-            ..base
-        };
-        let whole_px = whole_field(&base, field, image_size).focal_px / scale_from_1280(image_size);
-        let shoot = Self {
-            daylight: setting.scene().daylight(self.daylight),
-            focal_px_at_1280: COURT_ZOOM.map(|zoom| zoom * whole_px),
-            ..*self
-        };
-        (base, shoot)
     }
 }
 

@@ -1,10 +1,11 @@
 //! How a camera operator follows the play.
 
 use super::Stadium;
+use super::courts::Setting;
 use super::options::{CameraMotion, FrameOptions, ShootOptions, scale_from_1280};
 use super::play::Play;
 use super::texture::{hash, smooth_walk, sub_seed, unit};
-use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::{Angle, ImageSize, Vec3};
 
@@ -103,6 +104,44 @@ impl ShootOptions {
             noise_seed: u64::from(hash(draw, 3, 3)),
             ..FrameOptions::default()
         }
+    }
+}
+
+/// The focal lengths of a camera beside a court, as multiples of the one that shows it whole.
+const COURT_ZOOM: [f64; 2] = [1.3, 2.8];
+
+impl ShootOptions {
+    /// The camera of a setting, and how it takes the court: with the light of the place, and with
+    /// focal lengths that fit it. Those of the stadium are the preset's.
+    pub fn in_setting(
+        &self,
+        setting: Setting,
+        field: &FieldModel,
+        image_size: ImageSize,
+        seed: u64,
+    ) -> (CameraBase, Self) {
+        let base = self.main_camera(image_size);
+        let Some([x, y, z]) = setting.camera_m(seed) else {
+            return (base, *self);
+        };
+        let position_m = Vec3::new(x, y, z);
+        let angles = BaseAngles {
+            heading: Angle::from_radians((-x).atan2(-y)),
+            pitch: Angle::from_degrees(-0.3),
+            roll: Angle::from_degrees(0.25),
+        };
+        let base = CameraBase {
+            position_m,
+            base_from_world: angles.base_from_world(),
+            ..base
+        };
+        let whole_px = whole_field(&base, field, image_size).focal_px / scale_from_1280(image_size);
+        let shoot = Self {
+            daylight: setting.scene().daylight(self.daylight),
+            focal_px_at_1280: COURT_ZOOM.map(|zoom| zoom * whole_px),
+            ..*self
+        };
+        (base, shoot)
     }
 }
 

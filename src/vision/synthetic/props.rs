@@ -2,6 +2,7 @@
 //! flags.
 
 use super::body::{Kits, body, bystander};
+use super::courts::boards_m;
 use super::light::{Light, hex};
 use super::options::StadiumOptions;
 use super::play::{Play, Side};
@@ -86,7 +87,7 @@ pub(super) fn fixtures(options: &StadiumOptions) -> Vec<Prop> {
     let field = &options.field;
     let mut props = goals(field);
     let net_m = options.scene.court().map_or(0.0, |court| court.net_m);
-    props.extend(raised(field, net_m));
+    props.extend(raised_props(field, net_m));
     props.extend(flags(field));
     props.extend(bystanders(options));
     props
@@ -106,7 +107,7 @@ fn fixture(sticks: Vec<Stick>, sheets: Vec<Sheet>, throws_shadow: bool) -> Prop 
 const PIECE_M: f64 = 2.5;
 
 /// Rings, nets and the boards of a rink: the raised lines that are no posts.
-fn raised(field: &FieldModel, net_m: f64) -> Vec<Prop> {
+fn raised_props(field: &FieldModel, net_m: f64) -> Vec<Prop> {
     let mut props = Vec::new();
     for line in field.lines.iter().filter(|line| !line.painted) {
         let name = line.id.as_str();
@@ -116,8 +117,8 @@ fn raised(field: &FieldModel, net_m: f64) -> Vec<Prop> {
         if !is_rink && !is_net && !is_arc {
             continue;
         }
-        // Straight pieces, so that one that lies partly behind the camera loses only a piece; a ring
-        // has a dozen.
+        // Straight pieces, so that one that lies partly behind the camera loses only a piece; a
+        // ring has a dozen.
         let ring = if line.curve.is_closed() { 12.0 } else { 1.0 };
         let count = if is_net {
             1.0
@@ -288,7 +289,7 @@ fn bystanders(options: &StadiumOptions) -> Vec<Prop> {
     // Each has a stretch of the strip and a random place in it: 26 along the far touchline, and 18
     // behind each goal. All face the pitch.
     let seed = sub_seed(options.seed, 0x57AD);
-    let (field, [behind, beside]) = (&options.field, options.boards_m());
+    let (field, [behind, beside]) = (&options.field, boards_m(options.scene));
     let (half_length, half_width) = (0.5 * field.length_m, 0.5 * field.width_m);
     let far = (0..26).map(|place| {
         let draw = hash(seed, place, 0);

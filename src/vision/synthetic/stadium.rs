@@ -3,6 +3,7 @@
 use super::boards::Boards;
 use super::body::Kits;
 use super::bowl::{Bowl, BowlHit};
+use super::courts::boards_m;
 use super::crowd::Crowd;
 use super::floor::ceiling_lamps;
 use super::grass::Ground;
@@ -42,7 +43,7 @@ pub fn stadium(options: &StadiumOptions) -> Stadium {
         lighting: Lighting::new(options.daylight, field),
         fixtures: fixtures(options),
         ground: Ground::new(options),
-        boards: Boards::new(options.seed, field, options.boards_m()),
+        boards: Boards::new(options.seed, field, boards_m(options.scene)),
         bowl: Bowl::new(field),
         crowd: Crowd::new(
             options.seed,
