@@ -10,11 +10,11 @@
 //! answered, and the search of [`label_match`](super::label_match) follows.
 
 use super::clip_evidence::ClipEvidences;
-use super::forest_labels::PictureFiles;
+use super::forest_labels::{PictureFiles, is_certain, learn_from_frames};
 use super::kept_work::DocumentChange;
 use super::match_labels::{
     LabelMatchError, LabelledMatch, Labelling, MatchEvent, frames_without_camera, has_video,
-    learn_from_frames, query_forest,
+    query_forest,
 };
 use super::track_clips::{
     TrackingEvent, TrackingOptions, give_first_base, mean_confidence, track_kept_clips,
@@ -25,10 +25,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use touchline_core::geometry::subsample;
 use touchline_core::solve::base::BaseOptions;
-use touchline_documents::document::{
-    Camera, CameraId, Document, Frame, FrameStatus, ShotContent, shots_of_frames,
-};
-use touchline_vision::relocalize::CERTAIN;
+use touchline_documents::document::{Camera, CameraId, Document, ShotContent, shots_of_frames};
 
 /// Minimum mean confidence of the tracked frames. Where the clicks give a wrong base, the paint
 /// contradicts most of them.
@@ -203,13 +200,4 @@ fn frames_to_ask(document: &Document) -> Vec<usize> {
         .collect();
     queried.sort_unstable();
     queried
-}
-
-/// Whether a frame's camera is known, or found with certainty.
-pub(super) fn is_certain(frame: &Frame) -> bool {
-    let solution = frame.solution.as_ref();
-    let confidence = solution.and_then(|solution| solution.confidence);
-    frame.ptz.is_some()
-        && (frame.status == FrameStatus::Reference
-            || confidence.is_some_and(|confidence| confidence >= CERTAIN))
 }

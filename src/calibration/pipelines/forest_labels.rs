@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use touchline_core::field::FieldError;
 use touchline_core::progress::{Progress, panic_message};
-use touchline_documents::document::Document;
+use touchline_documents::document::{Document, DocumentAt, Frame, FrameStatus};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
     CERTAIN, ForestModel, RelocalizeOptions, Stopped, TrainProgress,
@@ -324,6 +324,37 @@ pub fn label_frames(
         }
     }
     Ok(proposals)
+}
+
+/// Trains a forest on frames of a document, as if the user had accepted them; in the document they
+/// stay what they are. None if `progress` cancelled it.
+///
+/// # Errors
+/// No frame gives a training sample, or the document's cameras cannot be serialised.
+pub(super) fn learn_from_frames(
+    at: DocumentAt<'_>,
+    frames: &[usize],
+    reader: &mut dyn ReadFrames,
+    store: &FeatureStore,
+    options: &LearnOptions,
+    progress: &Progress<'_, LearningProgress>,
+) -> Result<Option<LearntForest>, LearnForestError> {
+    // Training uses references, so mark these frames as such in a copy.
+    let mut accepted = at.document.clone();
+    for &index in frames {
+        accepted.frames[index].status = FrameStatus::Reference;
+    }
+    let pictures = FramePictures::new(&accepted, at.folder, options.features, store);
+    learn_forest(&pictures, reader, frames, options, progress)
+}
+
+/// Whether a frame's camera is known, or found with certainty.
+pub(super) fn is_certain(frame: &Frame) -> bool {
+    let solution = frame.solution.as_ref();
+    let confidence = solution.and_then(|solution| solution.confidence);
+    frame.ptz.is_some()
+        && (frame.status == FrameStatus::Reference
+            || confidence.is_some_and(|confidence| confidence >= CERTAIN))
 }
 
 #[cfg(test)]

@@ -4,7 +4,9 @@
 //! 0. The shots of a video are found, and which of them show a field (`shots.rs`). Where clicks
 //!    determine the camera of a video, it is labelled from them (`clicked_match.rs`).
 //!    Else:
-//! 1. Where the user has venue files, their cameras are tried (`venues/`). Else the camera is found from some frames, evenly spread over all ([`find_camera`](crate::autocalibrate::find_camera)).
+//! 1. Where the user has venue files, their cameras are tried (`venue_choice.rs`). Else the camera is
+//!    found from some frames, evenly spread over all
+//!    ([`find_camera`](crate::autocalibrate::find_camera)).
 //! 2. Sampled frames that overlap with none of the others belong to another camera. They are split
 //!    off before the search, and searched in their turn, whether the one before was found or not
 //!    (`find_cameras.rs`).
@@ -16,7 +18,7 @@
 use super::clip_evidence::ClipEvidences;
 use super::forest_labels::{
     ForestRequest, LearnForestError, LearningProgress, LearntForest, PictureFiles, label_frames,
-    learn_forest,
+    learn_from_frames,
 };
 use super::kept_work::KeptWork;
 use super::no_camera::NoCamera;
@@ -25,7 +27,7 @@ use super::track_clips::{TrackingEvent, TrackingOptions, track_kept_clips};
 use super::venues::{Venue, VenueEvent};
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
 use crate::calibrate::{AutocalibratedCamera, clips};
-use crate::proposals::{FeatureStore, FramePictures, LearnOptions, PictureError, WorkFolder};
+use crate::proposals::{FeatureStore, LearnOptions, PictureError, WorkFolder};
 use std::path::Path;
 use std::sync::Arc;
 use thiserror::Error;
@@ -300,28 +302,6 @@ pub fn learn_from_found(
         &LearnOptions::default(),
         progress,
     )
-}
-
-/// Trains a forest on frames of a document, as if the user had accepted them; in the document they
-/// stay what they are. None if `progress` cancelled it.
-///
-/// # Errors
-/// As [`learn_from_found`].
-pub(super) fn learn_from_frames(
-    at: DocumentAt<'_>,
-    frames: &[usize],
-    reader: &mut dyn ReadFrames,
-    store: &FeatureStore,
-    options: &LearnOptions,
-    progress: &Progress<'_, LearningProgress>,
-) -> Result<Option<LearntForest>, LearnForestError> {
-    // Training uses references, so mark these frames as such in a copy.
-    let mut accepted = at.document.clone();
-    for &index in frames {
-        accepted.frames[index].status = FrameStatus::Reference;
-    }
-    let pictures = FramePictures::new(&accepted, at.folder, options.features, store);
-    learn_forest(&pictures, reader, frames, options, progress)
 }
 
 /// Queries a forest for frames of a document and aligns the answers to their paint.

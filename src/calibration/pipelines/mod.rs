@@ -23,6 +23,8 @@ mod other_cameras;
 mod same_camera;
 mod shots;
 mod track_clips;
+mod venue_choice;
+mod venue_trial;
 mod venues;
 
 pub use forest_labels::{LearnForestError, LearningProgress};

@@ -6,9 +6,9 @@
 //! that nobody has looked at if they are certain.
 
 use super::size::{factor_between, scale_base, scale_seen};
-use crate::pipelines::clicked_match::is_certain;
-use crate::pipelines::forest_labels::{LearnForestError, LearningProgress};
-use crate::pipelines::match_labels::learn_from_frames;
+use crate::pipelines::forest_labels::{
+    LearnForestError, LearningProgress, is_certain, learn_from_frames,
+};
 use crate::proposals::{FeatureStore, LearnOptions};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ pub struct Venue {
 
 /// A camera of a venue.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct VenueCamera<'a> {
+pub(in crate::pipelines) struct VenueCamera<'a> {
     pub venue: &'a Venue,
     pub camera: &'a Camera,
     pub forest: &'a CameraForest,
@@ -101,7 +101,7 @@ impl Venue {
     }
 
     /// The cameras that have a base and features.
-    pub(super) fn cameras(&self) -> impl Iterator<Item = VenueCamera<'_>> {
+    pub(in crate::pipelines) fn cameras(&self) -> impl Iterator<Item = VenueCamera<'_>> {
         self.model.cameras.iter().filter_map(|forest| {
             let camera = self.document.camera(&forest.camera.as_str().into())?;
             camera.base()?;

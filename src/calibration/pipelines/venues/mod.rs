@@ -18,19 +18,18 @@
 //! | step | file |
 //! |---|---|
 //! | A venue's file: a forest of few features, with cameras and field | `file.rs` |
-//! | Frames are answered by its features and aligned to their paint; the base is estimated anew | `trial.rs` |
+//! | Frames are answered by its features and aligned to their paint; the base is estimated anew | `venue_trial.rs` |
 //! | Pictures of another size than those that the venue knows | `size.rs` |
 //! | The two bases are compared: same place, turned, moved, or another camera | `change.rs` |
 //! | What is reported meanwhile | `event.rs` |
-//! | Of several venues the best, if no other one answers nearly as well | `choice.rs` |
+//! | Of several venues the best, if no other one answers nearly as well | `venue_choice.rs` |
 
 mod change;
-mod choice;
 mod event;
 mod file;
 mod size;
-mod trial;
 
 pub use change::{BaseChange, Whereabouts};
 pub use event::{RecognisedCamera, VenueEvent, VenueRefusal};
+pub(super) use file::VenueCamera;
 pub use file::{NewVenue, VENUE_ENDING, Venue, VenueError, make_venue};

@@ -1,12 +1,11 @@
 //! Which camera of the venues that a user has took the frames of a match.
 
-use super::event::{RecognisedCamera, VenueEvent, VenueRefusal};
-use super::file::Venue;
-use super::trial::VenueAnswer;
+use super::kept_search::SearchEnd;
+use super::match_labels::{Labelling, MatchEvent};
+use super::venue_trial::VenueAnswer;
+use super::venues::{RecognisedCamera, Venue, VenueEvent, VenueRefusal};
 use crate::autocalibrate::{AutocalibrationError, frames_of_fields, spread_over_shots};
 use crate::calibrate::AutocalibratedCamera;
-use crate::pipelines::kept_search::SearchEnd;
-use crate::pipelines::match_labels::{Labelling, MatchEvent};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use touchline_documents::document::{CameraId, Clip, FrameStatus};

@@ -1,15 +1,13 @@
 //! A camera of a venue, tried on the frames of another match.
 
-use super::change::{BaseChange, Whereabouts};
-use super::event::{VenueEvent, VenueRefusal};
-use super::file::VenueCamera;
+use super::forest_labels::{ForestRequest, propose_on_lines};
+use super::match_labels::{Labelling, MatchEvent};
+use super::venues::{BaseChange, VenueCamera, VenueEvent, VenueRefusal, Whereabouts};
 use crate::autocalibrate::MIN_NATS;
 use crate::calibrate::{
     AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence, estimate_on_paint,
 };
 use crate::evidence::Evidence;
-use crate::pipelines::forest_labels::{ForestRequest, propose_on_lines};
-use crate::pipelines::match_labels::{Labelling, MatchEvent};
 use crate::proposals::{FeatureStore, FramePictures, read_picture};
 use rayon::prelude::*;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera, StatedLens, StatedRadial};
