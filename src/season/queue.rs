@@ -108,8 +108,8 @@ impl QueuedMatch {
 
 /// A path without links; as far as it does not exist, absolute.
 fn resolve(path: &Path) -> PathBuf {
-    let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    std::fs::canonicalize(path).unwrap_or_else(|_| absolute())
+    let resolved = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+    resolved.unwrap_or_else(|_| path.to_path_buf())
 }
 
 /// The folder of the project of a video or of a folder of images, beside it.
@@ -221,8 +221,9 @@ impl Queue {
     /// Adds the matches that it has not yet.
     fn add_new(&mut self, matches: impl IntoIterator<Item = QueuedMatch>) {
         let mut known: BTreeSet<_> = self.matches.iter().map(|it| it.project.clone()).collect();
-        let is_new = |queued: &QueuedMatch| known.insert(queued.project.clone());
-        self.matches.extend(matches.into_iter().filter(is_new));
+        let matches = matches.into_iter();
+        self.matches
+            .extend(matches.filter(|queued| known.insert(queued.project.clone())));
     }
 
     /// The same with paths relative to a folder, as far as they lie below it.
@@ -258,17 +259,18 @@ impl Queue {
             path: path.to_path_buf(),
             source,
         })?;
-        let refuse = |reason| QueueError::NotAQueue {
+        let read: Result<Self, _> = serde_json::from_str(&text);
+        let reason = match read {
+            Ok(queue) if queue.format == FORMAT && queue.version == VERSION => return Ok(queue),
+            Ok(Self {
+                format, version, ..
+            }) => format!("it is a {format:?} of version {version}"),
+            Err(error) => error.to_string(),
+        };
+        Err(QueueError::NotAQueue {
             path: path.to_path_buf(),
             reason,
-        };
-        let queue: Self = serde_json::from_str(&text).map_err(|error| refuse(error.to_string()))?;
-        if queue.format == FORMAT && queue.version == VERSION {
-            Ok(queue)
-        } else {
-            let (format, version) = (queue.format, queue.version);
-            Err(refuse(format!("it is a {format:?} of version {version}")))
-        }
+        })
     }
 
     /// Adds the doubtful frames of a match's project in a folder.
@@ -313,11 +315,11 @@ impl Queue {
 
     /// Puts the worst first; of equals the larger stretch, then the order of the season.
     pub(crate) fn sort(&mut self) {
-        let confidence = |entry: &QueueEntry| entry.confidence.unwrap_or(0.0);
         // The sort is stable, which leaves equals in the order of the season.
         self.entries.sort_by(|one, other| {
-            confidence(one)
-                .total_cmp(&confidence(other))
+            let [one_is, other_is] = [one, other].map(|entry| entry.confidence.unwrap_or(0.0));
+            one_is
+                .total_cmp(&other_is)
                 .then(other.frames.cmp(&one.frames))
         });
     }

@@ -12,35 +12,15 @@ use touchline_season::queue::QueuedMatch;
 pub enum Effect {
     /// Read a document and report `Action::Opened`.
     Open(Opening),
-    /// Read one of the user's own field templates and report `DiskReport::TemplateRead`.
-    ReadTemplate {
+    /// Read or write one of the user's own field templates.
+    Template {
         /// The document's file.
         of: PathBuf,
         /// The folder to which its relative paths refer.
         folder: PathBuf,
         /// The template's path as the document writes it.
         name: String,
-    },
-    /// Read the text of a template for the field editor and report `DiskReport::TemplateText`.
-    ReadTemplateText {
-        /// The document's file.
-        of: PathBuf,
-        /// The folder to which its relative paths refer.
-        folder: PathBuf,
-        /// The template's path as the document writes it.
-        name: String,
-    },
-    /// Write a field template beside the document and report `DiskReport::TemplateWritten`.
-    WriteTemplate {
-        /// The document's file.
-        of: PathBuf,
-        /// The folder to which its relative paths refer.
-        folder: PathBuf,
-        /// The template's path as the document writes it.
-        name: String,
-        text: String,
-        /// Whether a file of this name is an earlier version of it.
-        replaces: bool,
+        order: TemplateOrder,
     },
     /// Append an edit to the journal.
     Journal {
@@ -111,6 +91,21 @@ pub struct Snapshot {
     pub history: History<Document>,
     /// The number of edits of the session up to this state.
     pub revision: u64,
+}
+
+/// What is done with a field template.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TemplateOrder {
+    /// Read it, and report `DiskReport::TemplateRead`.
+    Read,
+    /// Read its text for the field editor, and report `DiskReport::TemplateText`.
+    ReadText,
+    /// Write it, and report `DiskReport::TemplateWritten`.
+    Write {
+        text: String,
+        /// Whether a file of this name is an earlier version of it.
+        replaces: bool,
+    },
 }
 
 /// What to do with the version of a document that another program wrote.

@@ -41,7 +41,7 @@ pub use action::{
 pub use commands::command::{Command, CommandKind, CommandNeeds, MenuGroup};
 pub use commands::keymap::{Chord, ChordError, Keymap};
 pub use commands::{guide, synonyms, tour};
-pub use effect::{Beside, Effect, OrphanOrder, OutsideOrder, Snapshot};
+pub use effect::{Beside, Effect, OrphanOrder, OutsideOrder, Snapshot, TemplateOrder};
 pub use now::MissingBase;
 pub use operations::{BESIDE_PX, LineCheckSummary, LineOffset, transfer};
 pub use panel_values::current::Current;

@@ -40,10 +40,7 @@ fn open_queue(
     let matches = queue.all_matches(folder);
     let entries = queue.entries().iter();
     let frames = entries.map(|entry| queued_frame(entry, folder)).collect();
-    let empty = || JobError::EmptyQueue {
-        path: path.to_path_buf(),
-    };
-    open_first(ReviewQueue::new(matches, frames), held, progress, empty)
+    open_first(ReviewQueue::new(matches, frames), held, progress, path)
 }
 
 /// Opens videos, folders and projects as a queue, at the first that can be opened.
@@ -56,10 +53,8 @@ pub(super) fn open_paths(
     progress: &Progress<'_, String>,
 ) -> Result<Ready, JobError> {
     let matches = Queue::from_paths(paths)?.matches;
-    let empty = || JobError::EmptyQueue {
-        path: paths.first().cloned().unwrap_or_default(),
-    };
-    open_first(ReviewQueue::new(matches, Vec::new()), held, progress, empty)
+    let first = paths.first().map_or(Path::new(""), PathBuf::as_path);
+    open_first(ReviewQueue::new(matches, Vec::new()), held, progress, first)
 }
 
 /// Opens a match: its project, or what it is made of.
@@ -82,7 +77,7 @@ fn open_first(
     mut queue: ReviewQueue,
     held: Option<&Location>,
     progress: &Progress<'_, String>,
-    empty: impl FnOnce() -> JobError,
+    of: &Path,
 ) -> Result<Ready, JobError> {
     let (first, count) = (queue.at(), queue.rows().len());
     let mut failure = None;
@@ -102,7 +97,9 @@ fn open_first(
             }
         }
     }
-    Err(failure.unwrap_or_else(empty))
+    Err(failure.unwrap_or_else(|| JobError::EmptyQueue {
+        path: of.to_path_buf(),
+    }))
 }
 
 /// The frame of an entry in the queue in `folder`.

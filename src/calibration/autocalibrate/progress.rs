@@ -109,6 +109,7 @@ impl AutocalibrationProgress {
             | Self::Adjusting { done, of }
             | Self::Sizing { done, of }
             | Self::Snapping { done, of } => done as f64 / of.max(1) as f64,
+            // These steps are short, or their length is not known.
             Self::Matched { .. } | Self::Gathering | Self::Refining => 0.0,
         }
     }

@@ -352,6 +352,7 @@ pub(super) fn learn_from_frames(
 pub(super) fn is_certain(frame: &Frame) -> bool {
     let solution = frame.solution.as_ref();
     let confidence = solution.and_then(|solution| solution.confidence);
+    // What a person accepted is certain without a number.
     frame.ptz.is_some()
         && (frame.status == FrameStatus::Reference
             || confidence.is_some_and(|confidence| confidence >= CERTAIN))

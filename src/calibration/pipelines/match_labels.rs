@@ -4,8 +4,8 @@
 //! 0. The shots of a video are found, and which of them show a field (`shots.rs`). Where clicks
 //!    determine the camera of a video, it is labelled from them (`clicked_match.rs`).
 //!    Else:
-//! 1. Where the user has venue files, their cameras are tried (`venue_choice.rs`). Else the camera is
-//!    found from some frames, evenly spread over all
+//! 1. Where the user has venue files, their cameras are tried (`venue_choice.rs`). Else the camera
+//!    is found from some frames, evenly spread over all
 //!    ([`find_camera`](crate::autocalibrate::find_camera)).
 //! 2. Sampled frames that overlap with none of the others belong to another camera. They are split
 //!    off before the search, and searched in their turn, whether the one before was found or not

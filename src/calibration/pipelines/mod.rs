@@ -7,7 +7,7 @@
 //! | the shots of a document's videos, and what they show | `mark_shots` |
 //! | frames labelled by a forest: train, propose, check, record | [`learn_forest`], [`learn_from_found`], [`propose_on_lines`], [`label_frames`] |
 //! | cameras of another program, one for each frame of a video, put on one camera and its paint | [`mend`] |
-//! | a venue's cameras kept in a file, and known again in another match | [`make_venue`], [`MatchOptions::venues`] |
+//! | a venue's cameras, known again in another match | [`make_venue`], [`MatchOptions::venues`] |
 //! | clips tracked from known frames, with base and field corrected where needed | [`track_clips`] |
 
 mod clicked_match;

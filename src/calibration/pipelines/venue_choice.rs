@@ -31,6 +31,7 @@ impl Labelling<'_> {
         if options.venues.is_empty() {
             return Ok(None);
         }
+        // Features of a frame are extracted once, whatever the number of venues.
         let frames = self.frames_to_try(camera);
         let store = self.feature_store();
         let mut answers: Vec<(String, CameraId, VenueAnswer)> = Vec::new();
@@ -79,6 +80,7 @@ impl Labelling<'_> {
         let event = VenueEvent::Recognised(recognised);
         let _ = self.progress.report(MatchEvent::Venue(event));
         let end = self.end_of_trial(&frames, &best.found);
+        // Another camera may look at another field.
         if self.document.cameras.len() == 1 {
             self.document.field = best.field;
         } else if let Some(camera) = self.document.camera_mut(camera) {
@@ -99,6 +101,7 @@ impl Labelling<'_> {
             .filter(|(_, frame)| frame.camera == *camera && frame.status != FrameStatus::Rejected)
             .map(|(index, _)| index)
             .collect();
+        // Close-ups and transitions would only cost time.
         let of_fields = frames_of_fields(self.document, &of_camera);
         spread_over_shots(self.document, &of_fields, TRIED)
     }
@@ -106,11 +109,14 @@ impl Labelling<'_> {
     /// What a search would have said of the frames: those of shots without an answer are another
     /// camera's. A frame of a shot in which others are answered is this one's all the same.
     fn end_of_trial(&self, frames: &[usize], found: &AutocalibratedCamera) -> SearchEnd {
-        let clip_of = |index: usize| self.document.frames[index].clip.as_ref();
-        let answered: BTreeSet<usize> = found.frames.iter().map(|frame| frame.index).collect();
-        let known: BTreeSet<Option<&Clip>> = answered.iter().map(|at| clip_of(*at)).collect();
-        let (searched, others): (Vec<usize>, Vec<usize>) =
-            frames.iter().partition(|at| known.contains(&clip_of(**at)));
+        let all = &self.document.frames;
+        let answered = found.frames.iter();
+        let known: BTreeSet<Option<&Clip>> = answered
+            .map(|frame| all[frame.index].clip.as_ref())
+            .collect();
+        let (searched, others): (Vec<usize>, Vec<usize>) = frames
+            .iter()
+            .partition(|at| known.contains(&all[**at].clip.as_ref()));
         SearchEnd {
             stages: 1,
             searched,

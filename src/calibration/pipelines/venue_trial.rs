@@ -82,10 +82,10 @@ impl OnBase {
         base: &CameraBase,
         options: &SnapOptions,
     ) -> Self {
-        let align = |(frame, start): &(&RecognisedFrame, Ptz)| {
-            snap(&frame.ground, field, base, *start, &[], options).ok()
-        };
-        let alignment: Vec<Option<Snapped>> = frames.par_iter().map(align).collect();
+        let alignment: Vec<_> = frames
+            .par_iter()
+            .map(|(frame, start)| snap(&frame.ground, field, base, *start, &[], options).ok())
+            .collect();
         let pictures: Vec<(PtzCamera, &MarkingPixels)> = frames
             .iter()
             .zip(&alignment)
@@ -128,28 +128,21 @@ impl Labelling<'_> {
         let by_features: Vec<_> = recognised.iter().map(|it| (it, it.ptz)).collect();
         let loose = SnapOptions::for_unknown_lens();
         let before = OnBase::align(&by_features, &field, &known, &loose);
-        let check = |aligned: usize| {
-            let needed = (MIN_ALIGNED_SHARE * answered as f64).max(MIN_ALIGNED as f64);
-            let refusal = VenueRefusal::NotOnPaint { aligned, answered };
-            if (aligned as f64) < needed {
-                Err(refusal)
-            } else {
-                Ok(())
-            }
-        };
-        check(before.aligned_count())?;
+        check_aligned(before.aligned_count(), answered)?;
         // The base once more, from the paint of these frames alone.
         let mut starts = by_features;
         for ((frame, start), alignment) in starts.iter_mut().zip(&before.alignment) {
             *start = alignment.as_ref().map_or(*start, |alignment| alignment.ptz);
             trial.frames[frame.index].point(*start, known.distortion.radial_at(start.focal_px));
         }
+        // From here on the features play no part: the paint says where the camera stands.
         let again = self.estimate_again(&trial, of_venue, camera, (&known, &field));
         let Some(estimate) = again else {
             let aligned = before.aligned_count();
             return Err(VenueRefusal::NotOnPaint { aligned, answered });
         };
         let base = estimate.base;
+        // Each base is weighed with frames that are aligned with it.
         let strict = SnapOptions::default();
         let on_known = OnBase::align(&starts, &field, &known, &strict);
         for (frame, start) in &mut starts {
@@ -159,6 +152,7 @@ impl Labelling<'_> {
                 .find(|(index, _)| *index == frame.index);
             *start = fit.map_or(*start, |(_, ptz)| *ptz);
         }
+        // The crown was estimated beside the base.
         let field_again = FieldModel {
             crown_m: estimate.crown_m,
             ..field.clone()
@@ -174,10 +168,12 @@ impl Labelling<'_> {
             Whereabouts::Same => (known, field, on_known),
             Whereabouts::Turned | Whereabouts::Moved => (base, field_again, again),
         };
-        check(on_base.aligned_count())?;
+        check_aligned(on_base.aligned_count(), answered)?;
+        // A neighbouring camera sees the same stands, and its frames fit a base of its own.
         if change.moved_m > MAX_MOVED_M {
             return Err(VenueRefusal::Elsewhere(change));
         }
+        // As after a search: enough has to speak for the camera, and little against it.
         let (nats, contradicted) = (
             on_base.evidence.nats(),
             on_base.evidence.contradicted_share(),
@@ -185,6 +181,7 @@ impl Labelling<'_> {
         if nats < MIN_NATS || contradicted > MAX_CONTRADICTED {
             return Err(VenueRefusal::LittleEvidence { nats, contradicted });
         }
+        // The field goes into the document with the crown of the base that is taken.
         let mut spec = trial.field_of_camera(camera).clone();
         spec.set_crown_m(field.crown_m);
         let aligned = recognised.iter().zip(on_base.alignment);
@@ -220,16 +217,15 @@ impl Labelling<'_> {
         let mut trial = self.document.clone();
         let stated = trial.field_of_camera(camera).clone();
         let spec = of_venue.field();
-        let other_field = || VenueRefusal::OtherField {
-            template: spec.template.clone(),
-        };
         if spec.template != stated.template {
-            return Err(other_field());
+            let template = spec.template.clone();
+            return Err(VenueRefusal::OtherField { template });
         }
         // A size that the user states is not replaced.
         let is_stated = stated.size == Some(FieldSize::Confirmed);
         let spec = if is_stated { &stated } else { spec };
         let size = of_venue.camera.image_size;
+        // Pictures of other proportions are cut out of the camera's, at an unknown place.
         let camera_mut = trial.camera_mut(camera);
         let known = camera_mut.and_then(|camera| {
             let base = of_venue.base_in(camera.image_size)?;
@@ -240,6 +236,7 @@ impl Labelling<'_> {
         };
         camera_mut.set_base(&base);
         camera_mut.field = Some(spec.clone());
+        // Clicks would take part in the estimate. Frames without any stay shared with the document.
         for frame in 0..trial.frames.len() {
             if !trial.frames[frame].clicks.is_empty() {
                 trial.frames[frame].clicks.clear();
@@ -248,7 +245,9 @@ impl Labelling<'_> {
         let field = trial
             .at(self.folder)
             .model_of(spec)
-            .map_err(|_| other_field())?;
+            .map_err(|_| VenueRefusal::OtherField {
+                template: spec.template.clone(),
+            })?;
         Ok((trial, base, field))
     }
 
@@ -267,6 +266,7 @@ impl Labelling<'_> {
         else {
             return Vec::new();
         };
+        // The forest's answer is used even where it is unsure of it: the paint decides.
         let pictures = FramePictures::new(trial, self.folder, model.features, store);
         let forest = ForestRequest {
             model: &model,
@@ -277,6 +277,8 @@ impl Labelling<'_> {
         let proposals = propose_on_lines(&pictures, self.reader, frames, &forest, None, &progress);
         let mut recognised = Vec::new();
         for (&index, proposal) in frames.iter().zip(proposals) {
+            // A frame that the forest does not know is no evidence against the camera: it may show
+            // what no frame of the venue showed.
             let Ok(answer) = proposal.outcome else {
                 continue;
             };
@@ -303,6 +305,7 @@ impl Labelling<'_> {
         camera: &CameraId,
         (known, field): (&CameraBase, &FieldModel),
     ) -> Option<Estimate> {
+        // A lens is the camera's, wherever that stands; a few frames hardly show it.
         let lens = StatedLens {
             radial: Some(StatedRadial::new(known.distortion, &known.sigma)),
             ..StatedLens::default()
@@ -323,6 +326,7 @@ impl Labelling<'_> {
             &self.progress.part(|_: BaseProgress| of_venue.event()),
         );
         let estimated = estimated.ok()?.estimated;
+        // Frames that took no part in the estimate keep the start that they had.
         let fits = estimated.frames.iter().zip(&estimated.estimate.frames);
         let fits = fits.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz)));
         Some(Estimate {
@@ -331,6 +335,15 @@ impl Labelling<'_> {
             fits: fits.collect(),
         })
     }
+}
+
+/// Whether enough of the frames that features answered lie on their paint.
+fn check_aligned(aligned: usize, answered: usize) -> Result<(), VenueRefusal> {
+    let needed = (MIN_ALIGNED_SHARE * answered as f64).max(MIN_ALIGNED as f64);
+    if (aligned as f64) < needed {
+        return Err(VenueRefusal::NotOnPaint { aligned, answered });
+    }
+    Ok(())
 }
 
 /// A frame that lies on its paint.

@@ -77,7 +77,10 @@ pub struct SynthArgs {
     unmasked: bool,
     /// Draw the demo project that comes with the program: a third of its frames are solved
     /// references.
-    #[arg(long, conflicts_with_all = ["frames", "seed", "scene", "camera", "still", "preset", "quality", "step", "size", "masks", "graphics", "unmasked"])]
+    #[arg(long, conflicts_with_all = [
+        "frames", "seed", "scene", "camera", "still", "preset", "quality", "step", "size", "masks",
+        "graphics", "unmasked",
+    ])]
     demo: bool,
     /// Draw over an earlier match; files of other names stay.
     #[arg(long)]

@@ -287,6 +287,7 @@ impl Builder<'_> {
             self.positive(part, &dash[0])?,
             self.positive(part, &dash[1])?,
         ];
+        // A slip of the decimal point would make millions of them.
         if of.length_m() / (dash_m + gap_m) > MAX_DASHES {
             let problem = format!("{dash_m} and {gap_m} m make more than {MAX_DASHES} dashes");
             return Err(self.invalid(part, problem));

@@ -46,19 +46,20 @@ impl Curve {
                 crossings_of_circle(centre.xy(), radius_m, on_chord, along)
             }
         };
+        // Of those of the endless lines and circles, what lies on both pieces. Parallels, and
+        // circles about one centre, give no finite point.
         let points = endless.into_iter().map(|at| Vec3::new(at.x, at.y, 0.0));
-        let is_on = |at: &Vec3| {
-            at.iter().all(|part| part.is_finite())
-                && self.distance_m(*at) < TOUCH_M
-                && other.distance_m(*at) < TOUCH_M
-        };
-        points.filter(is_on).collect()
+        points
+            .filter(|at| at.iter().all(|part| part.is_finite()))
+            .filter(|at| [self, other].iter().all(|of| of.distance_m(*at) < TOUCH_M))
+            .collect()
     }
 }
 
 /// The crossing of two endless lines; none of parallel ones.
 fn crossing_of_lines([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> Vec<Vec2> {
     let (along, other) = (b - a, d - c);
+    // Cramer's rule; the area is 0 where they are parallel.
     let area = along.perp(&other);
     if area.abs() < 1e-9 * along.norm() * other.norm() {
         return Vec::new();
@@ -74,6 +75,7 @@ fn crossings_of_circle(centre: Vec2, radius_m: f64, on_line: Vec2, along: Vec2) 
     if (distance_m - radius_m).abs() < TOUCH_M {
         return vec![foot];
     }
+    // Not a number where the line passes the circle by: such points are dropped.
     let half_chord_m = (radius_m.powi(2) - distance_m.powi(2)).sqrt();
     [-half_chord_m, half_chord_m]
         .map(|step_m| foot + along * step_m)

@@ -78,6 +78,7 @@ impl Template {
 /// The file cannot be read.
 pub fn template_text(path: &Path) -> Result<String, FieldError> {
     // Reading would refuse a folder as well, but without saying what to give.
+    // A template is small: what is larger is another file.
     let text = if path.is_dir() {
         Err("it is a folder; give the template's JSON file".to_owned())
     } else {

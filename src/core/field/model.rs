@@ -122,6 +122,7 @@ impl FieldLine {
         let (number, period, share) = match self.dash_m {
             Some([dash_m, gap_m]) => {
                 let period_m = dash_m + gap_m;
+                // n dashes have n − 1 gaps between them.
                 // The nearest whole number of dashes, all lengths stretched alike to fit.
                 let number = ((curve.length_m() + gap_m) / period_m).round().max(1.0);
                 let period = period_m / (number * period_m - gap_m);
@@ -131,6 +132,7 @@ impl FieldLine {
         };
         let curve = *curve;
         (0..number as usize).map(move |piece| {
+            // Parameters of the curve, which its length is proportional to.
             let from = piece as f64 * period;
             curve.part(from, from + period * share)
         })

@@ -124,9 +124,8 @@ impl Plan {
             format!(" stroke-dasharray=\"{dash} {gap}\"")
         });
         let title = xml_text(&line.label);
-        format!(
-            "<g><title>{title}</title><{tag} {place} stroke-width=\"{width}\"{dashes}{colour}/></g>\n"
-        )
+        let look = format!("stroke-width=\"{width}\"{dashes}{colour}");
+        format!("<g><title>{title}</title><{tag} {place} {look}/></g>\n")
     }
 }
 

@@ -64,6 +64,7 @@ pub fn project_lines(
     for (line, field_line) in field.lines.iter().enumerate() {
         let first = pen.polylines.len();
         let mut draw = |of: &Curve| flattener.flatten(of, &mut |a, b| pen.piece(line, first, a, b));
+        // Dashes are for the eye. Distances are measured from the line on which they lie.
         if options.dashes {
             field_line
                 .pieces(&field_line.curve)

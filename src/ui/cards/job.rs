@@ -27,8 +27,8 @@ struct StepBegin {
     at_s: f64,
 }
 
-/// Shows the work. The card has the same height at every step, so that nothing below it moves, until
-/// the map of a search comes, which then stays.
+/// Shows the work. The card has the same height at every step, so that nothing below it moves,
+/// until the map of a search comes, which then stays.
 pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
     let UnderWay {
         job,

@@ -229,10 +229,9 @@ impl<'a> Drawing<'a> {
         let (x, y) = (self.field.length_m / 2.0, self.field.width_m / 2.0);
         let ground = Rect::from_two_pos(self.screen([-x, -y]), self.screen([x, y]));
         painter.rect_filled(ground, 0.0, Color32::from_rgb(46, 92, 62));
-        let is_on_ground = |end: &Vec3| end.z == 0.0;
         for line in &self.field.lines {
             let ends = [0.0, 1.0].map(|end| line.curve.point_at(end));
-            if !ends.iter().all(is_on_ground) {
+            if ends.iter().any(|end| end.z != 0.0) {
                 continue;
             }
             let colour = if line.painted {

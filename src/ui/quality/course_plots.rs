@@ -318,7 +318,7 @@ fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
     }
 }
 
-/// Draws ±1 σ around the curve, where the frames state it and are not too many to be told apart.
+/// Draws ±1 σ around the curve, where the frames state it and are not too many to be distinguished.
 fn sigma_band(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
     if points.len() > (plot.area.width() / COLUMN) as usize {
         return;

@@ -8,7 +8,7 @@ use super::paint::Paint;
 use super::ray::{PlaneHit, Ray};
 use super::text::rasterise;
 use super::texture::{Texture, hash, sub_seed, survives, unit, value_noise};
-use touchline_core::field::{FieldError, FieldModel, builtin};
+use touchline_core::field::{FieldModel, Template, builtin};
 use touchline_core::geometry::Vec3;
 
 /// How a surface looks from near and from afar.
@@ -110,36 +110,39 @@ impl LineLayer {
 
     /// The share of a pixel that is painted.
     pub fn share(&self, hit: &PlaneHit) -> f32 {
-        // A court that lies across has its x axis along −y of the floor.
-        let own = |v: Vec3| {
-            if self.is_across {
-                Vec3::new(-v.y, v.x, v.z)
-            } else {
-                v
-            }
-        };
         let hit = PlaneHit {
-            point: own(hit.point - self.centre),
-            by_x: own(hit.by_x),
-            by_y: own(hit.by_y),
+            point: self.in_own_frame(hit.point - self.centre),
+            by_x: self.in_own_frame(hit.by_x),
+            by_y: self.in_own_frame(hit.by_y),
             ..*hit
         };
         self.paint.share(&hit) as f32
+    }
+
+    /// A vector of the floor in the court's own frame.
+    fn in_own_frame(&self, of_floor: Vec3) -> Vec3 {
+        if self.is_across {
+            // Its x axis lies along −y of the floor.
+            Vec3::new(-of_floor.y, of_floor.x, of_floor.z)
+        } else {
+            of_floor
+        }
     }
 }
 
 /// The lines of a court and, below them, those of other sports on its floor.
 pub(super) fn line_layers(court: &Court, field: &FieldModel) -> Vec<LineLayer> {
     let own_colour = |id: &str| court.lines.iter().position(|(word, _)| id.contains(word));
+    // One layer for each colour, so that each has its own paint.
     let own = court.lines.iter().enumerate().map(|(index, (_, colour))| {
         let paint = Paint::new(field, |id| own_colour(id) == Some(index));
         LineLayer::new(paint, hex(*colour))
     });
-    // A template that ships with the program is read; were it broken, its lines would be missing.
-    let model = |name| -> Result<FieldModel, FieldError> { builtin(name)?.default_model() };
     let mut layers = Vec::new();
     for other in court.others {
-        let Ok(field) = model(other.template) else {
+        // A template that ships with the program is read; were it broken, its lines would be
+        // missing.
+        let Ok(field) = builtin(other.template).and_then(Template::default_model) else {
             continue;
         };
         let paint = Paint::new(&field, |_| true);
@@ -162,10 +165,22 @@ struct Area {
 }
 
 impl Area {
+    /// The area between two landmarks at opposite corners; `end` stands for `@` in their names.
+    fn between(corners: [&str; 2], end: &str, field: &FieldModel) -> Option<Self> {
+        let [a, b] = corners.map(|name| field.landmark(&name.replace('@', end)));
+        let (a, b) = (a?.nominal_m, b?.nominal_m);
+        Some(Self {
+            middle: 0.5 * (a + b),
+            half: 0.5 * (a - b).abs(),
+        })
+    }
+
     fn share(&self, hit: &PlaneHit) -> f32 {
         let offset = hit.point - self.middle;
-        let along = |axis: usize, unit: Vec3| strip(offset[axis], self.half[axis], hit.reach(unit));
-        (along(0, Vec3::x()) * along(1, Vec3::y())) as f32
+        // Exact for a box filter along each axis.
+        let across_x = strip(offset.x, self.half.x, hit.reach(Vec3::x()));
+        let across_y = strip(offset.y, self.half.y, hit.reach(Vec3::y()));
+        (across_x * across_y) as f32
     }
 }
 
@@ -193,19 +208,9 @@ impl Floor {
         let seed = sub_seed(seed, 0xF100);
         // The seed chooses one of the sport's floors.
         let (surface, colours) = court.floors[hash(seed, 7, 7) as usize % court.floors.len()];
+        // The finish is that of its surface, the colours are the hall's.
         let (finish, [inside, around, area_colour]) = (&SURFACES[surface as usize], colours);
         let half = Vec3::new(0.5 * field.length_m, 0.5 * field.width_m, 0.0);
-        let place = |name: &str, end: &str| {
-            let landmark = field.landmark(&name.replace('@', end))?;
-            Some(landmark.nominal_m)
-        };
-        let area = |corners: &[&str; 2], end: &str| {
-            let (a, b) = (place(corners[0], end)?, place(corners[1], end)?);
-            Some(Area {
-                middle: 0.5 * (a + b),
-                half: 0.5 * (a - b).abs(),
-            })
-        };
         let areas = court.areas.iter();
         Self {
             seed,
@@ -218,7 +223,9 @@ impl Floor {
                 half: half.add_scalar(court.margin_m),
             },
             areas: areas
-                .flat_map(|corners| ["left", "right"].map(|end| area(corners, end)))
+                .flat_map(|corners| {
+                    ["left", "right"].map(|end| Area::between(*corners, end, field))
+                })
                 .flatten()
                 .collect(),
             rink_corner_m: field.params.get("corner_radius_m").copied(),
@@ -302,17 +309,22 @@ impl Floor {
         // The camera below the floor sees what the camera above it sees in the mirror. Schlick's
         // approximation of Fresnel's share, with 0.04 at right angles for varnish and ice ("An
         // inexpensive BRDF model for physically-based rendering", 1994).
-        let below = |v: Vec3| Vec3::new(v.x, v.y, -v.z);
+        // The cosine of the angle from the normal.
         let steepness = (-ray.direction.z / ray.direction.norm()) as f32;
         let share = 0.04 + 0.96 * (1.0 - steepness.clamp(0.0, 1.0)).powi(5);
         let mirrored = Ray {
-            origin: below(ray.origin),
-            direction: below(ray.direction),
-            by_x: below(ray.by_x) * self.finish.smear_px,
-            by_y: below(ray.by_y) * self.finish.smear_px,
+            origin: mirror_in_floor(ray.origin),
+            direction: mirror_in_floor(ray.direction),
+            by_x: mirror_in_floor(ray.by_x) * self.finish.smear_px,
+            by_y: mirror_in_floor(ray.by_y) * self.finish.smear_px,
         };
         Some((mirrored, share * self.finish.gloss))
     }
+}
+
+/// The mirror image of a point or direction in the plane z = 0.
+fn mirror_in_floor(of: Vec3) -> Vec3 {
+    Vec3::new(of.x, of.y, -of.z)
 }
 
 /// Octaves of noise, each as far as the pixel leaves it: grain finer than a pixel fades to its
@@ -350,6 +362,7 @@ pub(super) fn ceiling_lamps(ray: &Ray) -> Light {
 
 /// The logo of the hall: a ring with a word across it.
 fn logo(seed: u32, colour: Light) -> Texture {
+    // Names that belong to no club.
     let words = ["HARBOUR", "NORTH", "OLD TOWN", "LAKESIDE"];
     let word = rasterise(words[seed as usize % words.len()], 38.0, 3.0);
     let half = LOGO_TEXELS as f32 / 2.0;

@@ -46,6 +46,7 @@ impl Ground {
         let (field, court) = (&options.field, options.scene.court());
         let floor = court.map(|court| Floor::new(options.seed, court, field));
         let all = || vec![LineLayer::new(Paint::new(field, |_| true), hex(0xF3_F5EE))];
+        // Boots wear the paint of grass, skates and shoes that of a floor.
         let finish_left = floor.as_ref().map_or(1.0, |floor| floor.finish.paint_left);
         let seed = sub_seed(options.seed, 0x62A5);
         let (half_length, half_width) = (0.5 * field.length_m, 0.5 * field.width_m);
@@ -89,6 +90,7 @@ impl Ground {
 
     /// The reflectance of the ground under a pixel.
     pub fn albedo(&self, hit: &PlaneHit) -> Light {
+        // Outside the boards, and in the corners of a rink, the ground is the hall's.
         let floor = self.floor_at(hit.point);
         if !self.is_inside_boards(hit.point) || floor.is_none() && self.floor.is_some() {
             return self.apron(hit);
@@ -97,8 +99,9 @@ impl Ground {
             Some(floor) => floor.albedo(hit, || self.turf(hit)),
             None => self.turf(hit),
         };
-        let painted = |below: Light, layer: &LineLayer| self.paint_over(below, layer, hit);
-        self.lines.iter().fold(ground, painted)
+        // Other sports' lines lie below those of the court.
+        let layers = self.lines.iter();
+        layers.fold(ground, |below, layer| self.paint_over(below, layer, hit))
     }
 
     /// The ground with one layer of lines over it.

@@ -47,18 +47,19 @@ enum PaintedShape {
 impl Paint {
     /// The lines and spots whose name is wanted.
     pub fn new(field: &FieldModel, is_wanted: impl Fn(&str) -> bool) -> Self {
+        // Spots of paint, such as penalty marks, are landmarks with a diameter.
         let spots = field
             .landmarks
             .iter()
             .filter(|landmark| is_wanted(landmark.id.as_str()))
             .filter_map(PaintedShape::of_spot);
-        // Rows of hash marks are dashes, which no search looks for as a line: they are painted, too.
-        let is_painted = |line: &&FieldLine| line.painted || line.dash_m.is_some();
+        // Rows of hash marks are dashes, which no search looks for as a line: they are painted,
+        // too.
         let markings: Vec<PaintedShape> = field
             .lines
             .iter()
             .filter(|line| is_wanted(line.id.as_str()))
-            .filter(is_painted)
+            .filter(|line| line.painted || line.dash_m.is_some())
             .flat_map(PaintedShape::of_line)
             .chain(spots)
             .collect();

@@ -42,11 +42,9 @@ pub fn camera_path(
     let still = shoot
         .is_still
         .then(|| whole_field(base, stadium.field(), image_size));
-    let step = |index: usize| {
-        let time_s = index as f64 * shoot.step_s;
-        operator.step(time_s, still)
-    };
-    (0..frames).map(step).collect()
+    (0..frames)
+        .map(|index| operator.step(index as f64 * shoot.step_s, still))
+        .collect()
 }
 
 /// How much of the picture the field takes when it is shown whole.
@@ -62,16 +60,16 @@ pub(super) fn whole_field(base: &CameraBase, field: &FieldModel, image_size: Ima
         0.5 * f64::from(image_size.width),
         0.5 * f64::from(image_size.height),
     ];
-    let fits = |x: f64, y: f64| {
+    // The largest focal length with which every corner of the field lies in the picture.
+    let mut focal_px = f64::INFINITY;
+    for (x, y) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
         let corner = Vec3::new(0.5 * x * field.length_m, 0.5 * y * field.width_m, 0.0);
         let seen = ahead.cam_from_world_point(corner);
-        (half[0] * (seen.z / seen.x).abs()).min(half[1] * (seen.z / seen.y).abs())
-    };
-    let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
-    let focal_px = corners
-        .into_iter()
-        .map(|(x, y)| fits(x, y))
-        .fold(f64::INFINITY, f64::min);
+        // x / z = half / f at the border of the picture, for either axis.
+        for (half, along) in [(half[0], seen.x), (half[1], seen.y)] {
+            focal_px = focal_px.min(half * (seen.z / along).abs());
+        }
+    }
     Ptz::new(aim.pan, aim.tilt, WHOLE_FIELD_SHARE * focal_px)
 }
 

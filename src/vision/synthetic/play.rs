@@ -171,6 +171,7 @@ impl Play {
                 })
                 .collect();
             self.press(&mut team, ball, sign);
+            // No player is nearer to the net than an arm's length, each side on its own half.
             if self.squad.has_net {
                 for place in &mut team {
                     place[0] = sign * (sign * place[0]).min(-0.4);
@@ -188,6 +189,7 @@ impl Play {
                 0.11 * ball.y + smooth_walk(self.seed ^ 0x28, time_s / 3.0),
             ]
         };
+        // Keepers stand between the ball and their goals.
         if self.squad.has_keepers {
             places.push((Side::HomeKeeper, keeper(-1.0)));
             places.push((Side::AwayKeeper, keeper(1.0)));

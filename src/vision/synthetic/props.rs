@@ -111,6 +111,7 @@ fn raised_props(field: &FieldModel, net_m: f64) -> Vec<Prop> {
     let mut props = Vec::new();
     for line in field.lines.iter().filter(|line| !line.painted) {
         let name = line.id.as_str();
+        // Templates name them alike in all sports.
         let is_rink = name.starts_with("boards_") && name.ends_with("_top");
         let is_net = name.starts_with("net_top");
         let is_arc = matches!(line.curve, Curve::Arc { .. });
@@ -131,6 +132,7 @@ fn raised_props(field: &FieldModel, net_m: f64) -> Vec<Prop> {
             if from.z <= 0.0 {
                 continue;
             }
+            // A net hangs from its upper edge, boards stand on the ice.
             let height_m = if is_rink {
                 from.z
             } else {
@@ -149,6 +151,7 @@ fn raised_props(field: &FieldModel, net_m: f64) -> Vec<Prop> {
                     hex(0x1C_1E20)
                 },
             };
+            // A ring is a rim alone.
             let sheets = if is_rink || is_net {
                 vec![cloth]
             } else {
@@ -180,6 +183,7 @@ fn goals(field: &FieldModel) -> Vec<Prop> {
         if from.z.max(to.z) <= 0.0 || line.id.as_str().starts_with("boards_") {
             continue;
         }
+        // Posts stand on the crowned ground.
         let [from, to] = [from, to].map(|end| field.world_from_nominal(end));
         let stick = Stick::new(from, to, 0.5 * line.width_m, white);
         props.push(fixture(vec![stick], Vec::new(), true));

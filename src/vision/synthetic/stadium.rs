@@ -139,6 +139,7 @@ impl Stadium {
             .albedo(hit)
             .component_mul(&self.lighting.on_ground(hit.point));
         let floor = self.ground.floor_at(hit.point).filter(|_| surface == GRASS);
+        // What a smooth floor throws back lies over its own colour.
         if let Some((mirrored, share)) = floor.and_then(|floor| floor.mirror(ray)) {
             light = mix(light, self.mirror_image(&mirrored), share);
         }
@@ -155,6 +156,7 @@ impl Stadium {
             Some(court) if court.is_hall => ceiling_lamps(ray),
             _ => Light::zeros(),
         };
+        // The nearest first: boards hide the stands behind them.
         let around = match (self.boards.meets(ray), self.bowl.meets(ray)) {
             (Some(board), _) => self.boards.colour(&board),
             (None, Some(stands)) => self.lit_stands(&stands).light,

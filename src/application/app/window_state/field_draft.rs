@@ -1,9 +1,10 @@
-//! A field template that the user writes in the window: its text, the field that the text describes,
-//! and lines and landmarks that are written into it.
+//! A field template that the user writes in the window: its text, the field that the text
+//! describes, and lines and landmarks that are written into it.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::sync::Arc;
-use touchline_core::field::{FieldError, FieldLine, FieldModel, Landmark, Template, builtin_text};
+use touchline_core::field::{FieldError, FieldLine, FieldModel, Template, builtin_text};
 use touchline_core::geometry::Vec3;
 
 /// Places nearer to each other are one, m.
@@ -21,14 +22,16 @@ const BLANK: &str = r#"{
   "extent_m": ["length_m", "width_m"],
   "symmetry": ["mirror_x", "mirror_y", "turn_180"],
   "landmarks": [
-    { "id": "corner_{near,far}_{left,right}", "label": "Corner, {near,far} {left,right}", "code": "c{n,f}{l,r}",
-      "at": ["x_side*length_m/2", "y_side*width_m/2"] }
+    { "id": "corner_{near,far}_{left,right}", "label": "Corner, {near,far} {left,right}",
+      "code": "c{n,f}{l,r}", "at": ["x_side*length_m/2", "y_side*width_m/2"] }
   ],
   "lines": [
-    { "id": "sideline_{near,far}", "label": "Sideline, {near,far}", "code": "s{n,f}", "from": "corner_{near,far}_left",
-      "to": "corner_{near,far}_right", "width_m": "line_width_m", "edge": "outer", "inside": [0, 0] },
-    { "id": "end_line_{left,right}", "label": "End line, {left,right}", "code": "e{l,r}", "from": "corner_near_{left,right}",
-      "to": "corner_far_{left,right}", "width_m": "line_width_m", "edge": "outer", "inside": [0, 0] }
+    { "id": "sideline_{near,far}", "label": "Sideline, {near,far}", "code": "s{n,f}",
+      "from": "corner_{near,far}_left", "to": "corner_{near,far}_right",
+      "width_m": "line_width_m", "edge": "outer", "inside": [0, 0] },
+    { "id": "end_line_{left,right}", "label": "End line, {left,right}", "code": "e{l,r}",
+      "from": "corner_near_{left,right}", "to": "corner_far_{left,right}",
+      "width_m": "line_width_m", "edge": "outer", "inside": [0, 0] }
   ]
 }
 "#;
@@ -67,9 +70,12 @@ impl FieldDraft {
     /// Begins with a copy of a built-in template, or with boundary lines alone if there is none of
     /// this name.
     pub fn begin(template: &str) -> Self {
-        let named = |prefix: &str| format!("\"name\": \"{prefix}{template}\"");
         let text = match builtin_text(template) {
-            Ok(text) => text.replacen(&named(""), &named("my_"), 1),
+            Ok(text) => text.replacen(
+                &format!("\"name\": \"{template}\""),
+                &format!("\"name\": \"my_{template}\""),
+                1,
+            ),
             Err(_) => BLANK.to_owned(),
         };
         Self::new(text, None)
@@ -171,6 +177,7 @@ impl FieldDraft {
             return;
         };
         self.earlier.push(self.text.clone());
+        // After the last entry, in the layout of the file.
         let before = self.text[..inner.end].trim_end();
         let comma = if before.ends_with('[') { "" } else { "," };
         let text = format!(
@@ -185,22 +192,23 @@ impl FieldDraft {
 impl DrawnLine {
     /// Without the mirror images that are the line itself.
     fn asymmetric_of(self, mirrored: Mirrored) -> Mirrored {
-        let is_own = |axis: usize| {
-            let opposite = |one: f64, other: f64| (one + other).abs() < SAME_PLACE_M;
-            match self {
-                Self::Straight { from, to } => {
-                    let across = 1 - axis;
-                    let is_on_axis = opposite(from[axis], 0.0) && opposite(to[axis], 0.0);
-                    let crosses = opposite(from[axis], to[axis])
-                        && (from[across] - to[across]).abs() < SAME_PLACE_M;
-                    is_on_axis || crosses
-                }
-                Self::Circle { centre, .. } => opposite(centre[axis], 0.0),
-            }
-        };
         Mirrored {
-            to_other_end: mirrored.to_other_end && !is_own(0),
-            to_other_side: mirrored.to_other_side && !is_own(1),
+            to_other_end: mirrored.to_other_end && !self.is_own_image(0),
+            to_other_side: mirrored.to_other_side && !self.is_own_image(1),
+        }
+    }
+
+    /// Whether it is its own mirror image where x (axis 0) or y (1) changes its sign.
+    fn is_own_image(self, axis: usize) -> bool {
+        match self {
+            Self::Straight { from, to } => {
+                let is_on_axis = from[axis].abs().max(to[axis].abs()) < SAME_PLACE_M;
+                let across = 1 - axis;
+                let crosses = (from[axis] + to[axis]).abs() < SAME_PLACE_M
+                    && (from[across] - to[across]).abs() < SAME_PLACE_M;
+                is_on_axis || crosses
+            }
+            Self::Circle { centre, .. } => centre[axis].abs() < SAME_PLACE_M,
         }
     }
 }
@@ -213,26 +221,15 @@ fn parse(text: &str) -> Result<(Box<Template>, Arc<FieldModel>), FieldError> {
 
 /// The entry of a drawn line.
 fn line_entry(line: DrawnLine, mirrored: Mirrored, number: usize, code: &str) -> String {
-    // What is drawn at x > 0 is the right one of a pair: `x_side` is 1 there.
-    let coordinate = |value: f64, is_mirrored: bool, side: &str| {
-        if is_mirrored && value != 0.0 {
-            format!("\"{side}*{}\"", decimal(value))
-        } else {
-            decimal(value)
-        }
-    };
-    let point = |[x, y]: [f64; 2]| {
-        let x = coordinate(x, mirrored.to_other_end, "x_side");
-        let y = coordinate(y, mirrored.to_other_side, "y_side");
-        format!("[{x}, {y}]")
-    };
     let curve = match line {
-        DrawnLine::Straight { from, to } => {
-            format!("\"from\": {}, \"to\": {}", point(from), point(to))
-        }
+        DrawnLine::Straight { from, to } => format!(
+            "\"from\": {}, \"to\": {}",
+            point(from, mirrored),
+            point(to, mirrored)
+        ),
         DrawnLine::Circle { centre, radius_m } => format!(
             "\"centre\": {}, \"radius_m\": {}",
-            point(centre),
+            point(centre, mirrored),
             decimal(radius_m)
         ),
     };
@@ -251,8 +248,24 @@ fn line_entry(line: DrawnLine, mirrored: Mirrored, number: usize, code: &str) ->
         codes.push_str(initials);
     }
     format!(
-        "{{ \"id\": \"{id}\", \"label\": \"{label}\", \"code\": \"{codes}\", {curve}, \"width_m\": 0.05 }}"
+        "{{ \"id\": \"{id}\", \"label\": \"{label}\", \"code\": \"{codes}\", \
+         {curve}, \"width_m\": 0.05 }}"
     )
+}
+
+/// A point of an entry. Where it is mirrored, what is drawn at x > 0 is the right one of a pair:
+/// `x_side` is 1 there, and `y_side` on the far side.
+fn point([x, y]: [f64; 2], mirrored: Mirrored) -> String {
+    let x = coordinate(x, mirrored.to_other_end.then_some("x_side"));
+    let y = coordinate(y, mirrored.to_other_side.then_some("y_side"));
+    format!("[{x}, {y}]")
+}
+
+fn coordinate(value_m: f64, side: Option<&str>) -> String {
+    match side.filter(|_| value_m != 0.0) {
+        Some(side) => format!("\"{side}*{}\"", decimal(value_m)),
+        None => decimal(value_m),
+    }
 }
 
 /// The entry of a landmark at a place, with its label.
@@ -260,7 +273,8 @@ fn landmark_entry((at, label): &(Vec3, String), number: usize, code: &str) -> St
     let label = serde_json::Value::from(label.as_str());
     let [x, y] = [at.x, at.y].map(decimal);
     format!(
-        "{{ \"id\": \"point_{number}\", \"label\": {label}, \"code\": \"{code}\", \"at\": [{x}, {y}] }}"
+        "{{ \"id\": \"point_{number}\", \"label\": {label}, \"code\": \"{code}\", \
+         \"at\": [{x}, {y}] }}"
     )
 }
 
@@ -274,11 +288,10 @@ fn codes_of(field: &FieldModel) -> BTreeSet<String> {
 /// A letter and a digit or letter with which none of some codes begins. It is added to them.
 fn unused_code(codes: &mut BTreeSet<String>, first: char) -> String {
     const SECOND: &str = "123456789abcdefghijklmnopqrstuvwxyz";
-    let is_unused = |code: &String| !codes.iter().any(|known| known.starts_with(code.as_str()));
     let mut letters = (first..='z').chain('a'..first);
     let code = letters.find_map(|letter| {
         let mut of_letter = SECOND.chars().map(|second| format!("{letter}{second}"));
-        of_letter.find(is_unused)
+        of_letter.find(|code| !codes.iter().any(|known| known.starts_with(code)))
     });
     // There are 910: a field with more has a mistake that its template names.
     let code = code.unwrap_or_default();
@@ -289,20 +302,11 @@ fn unused_code(codes: &mut BTreeSet<String>, first: char) -> String {
 /// Where painted lines of the ground meet or end without a landmark, with a label for each.
 fn places_of_lines(field: &FieldModel) -> Vec<(Vec3, String)> {
     let lines: Vec<&FieldLine> = field.lines.iter().filter(|line| line.painted).collect();
-    let mut found: Vec<(Vec3, String)> = Vec::new();
-    let mut add = |at: Vec3, label: String| {
-        let is_near = |other: Vec3| (other - at).norm() < SAME_PLACE_M;
-        let is_landmark = |landmark: &Landmark| is_near(landmark.nominal_m);
-        if !field.landmarks.iter().any(is_landmark)
-            && !found.iter().any(|(other, _)| is_near(*other))
-        {
-            found.push((at, label));
-        }
-    };
+    let mut found = Vec::new();
     for (index, line) in lines.iter().enumerate() {
         for other in &lines[index + 1..] {
             for at in line.curve.crossings(&other.curve) {
-                add(at, format!("{} meets {}", line.label, other.label));
+                found.push((at, format!("{} meets {}", line.label, other.label)));
             }
         }
     }
@@ -319,9 +323,24 @@ fn places_of_lines(field: &FieldModel) -> Vec<(Vec3, String)> {
                 (false, _, false) => "near",
                 (false, _, true) => "far",
             };
-            add(end, format!("{}, {side} end", line.label));
+            found.push((end, format!("{}, {side} end", line.label)));
         }
     }
+    // Of several names of one place the first counts, and none where there is a landmark.
+    let mut taken: Vec<Vec3> = field
+        .landmarks
+        .iter()
+        .map(|known| known.nominal_m)
+        .collect();
+    found.retain(|(at, _)| {
+        let is_new = taken
+            .iter()
+            .all(|other| (other - at).norm() >= SAME_PLACE_M);
+        if is_new {
+            taken.push(*at);
+        }
+        is_new
+    });
     found
 }
 
@@ -331,24 +350,26 @@ fn with_symmetries_that_hold(text: String) -> String {
     let Some(inner) = array_of(&text, "symmetry") else {
         return text;
     };
-    let stating = |symmetries: &[&str]| {
-        let stated: Vec<String> = symmetries
-            .iter()
-            .map(|name| format!("\"{name}\""))
-            .collect();
-        let (before, after) = (&text[..inner.start], &text[inner.end..]);
-        format!("{before}{}{after}", stated.join(", "))
-    };
-    let holds = |name: &&str| parse(&stating(&[name])).is_ok();
-    let holding: Vec<&str> = ["mirror_x", "mirror_y", "turn_180"]
-        .into_iter()
-        .filter(holds)
-        .collect();
-    stating(&holding)
+    let mut holding = ["mirror_x", "mirror_y", "turn_180"].to_vec();
+    holding.retain(|name| parse(&with_list(&text, &inner, &[name])).is_ok());
+    with_list(&text, &inner, &holding)
+}
+
+/// A text with a list of names at a place.
+fn with_list(text: &str, at: &Range<usize>, names: &[&str]) -> String {
+    let stated: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    format!(
+        "{}{}{}",
+        &text[..at.start],
+        stated.join(", "),
+        &text[at.end..]
+    )
 }
 
 /// The contents of an array of the outermost object, as a range of the text between its brackets.
-fn array_of(text: &str, key: &str) -> Option<std::ops::Range<usize>> {
+fn array_of(text: &str, key: &str) -> Option<Range<usize>> {
+    // A string begins and ends with a quotation mark that no backslash precedes; brackets within
+    // one do not count. The array opens at depth 1, right after the string that is its key.
     let (mut depth, mut string_from, mut escaped) = (0_usize, None, false);
     let (mut last_string, mut start) = ("", None);
     for (at, character) in text.char_indices() {
@@ -394,6 +415,7 @@ fn decimal(value_m: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use touchline_core::field::Landmark;
 
     const BOTH: Mirrored = Mirrored {
         to_other_end: true,

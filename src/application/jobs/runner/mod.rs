@@ -22,13 +22,13 @@ mod task;
 
 use self::document::actions_of;
 use self::task::{
-    Kind, Outcome, Task, camera_with_base, look_at_matches, save_copy, show_folder, write_template,
+    Kind, Outcome, Task, camera_with_base, carry_out_on_template, look_at_matches, save_copy,
+    show_folder,
 };
 use super::opening::Ready;
 use super::{Background, BackgroundReport, Saver, SharedPictures, Trainer, Wake};
 use crate::app::operation::{Job, Report};
 use crate::app::{Action, Beside, DiskReport, Effect, OutsideOrder, Question};
-use touchline_core::field::{template_named, template_text};
 use touchline_documents::store::Location;
 
 /// An effect that only the window can carry out.
@@ -93,36 +93,14 @@ impl Runner {
         match effect {
             Effect::Start(job) => self.start(job),
             Effect::Open(opening) => self.open(opening),
-            Effect::ReadTemplate { of, folder, name } => {
-                self.begin("field template", Kind::Other, move |_| {
-                    let template = template_named(&name, &folder).map(Box::new);
-                    Ok(Outcome::Action(Action::Disk(DiskReport::TemplateRead {
-                        of,
-                        name,
-                        template,
-                    })))
-                });
-            }
-            Effect::ReadTemplateText { of, folder, name } => {
-                self.begin("field template", Kind::Beside, move |_| {
-                    let text = template_text(&folder.join(&name))?;
-                    let read = DiskReport::TemplateText { of, name, text };
-                    Ok(Outcome::Action(Action::Disk(read)))
-                });
-            }
-            Effect::WriteTemplate {
+            Effect::Template {
                 of,
                 folder,
                 name,
-                text,
-                replaces,
+                order,
             } => self.begin("field template", Kind::Other, move |_| {
-                let template = write_template(&folder.join(&name), &text, replaces)?;
-                Ok(Outcome::Action(Action::Disk(DiskReport::TemplateWritten {
-                    of,
-                    name,
-                    template,
-                })))
+                let report = carry_out_on_template(of, &folder, name, order)?;
+                Ok(Outcome::Action(Action::Disk(report)))
             }),
             Effect::CancelOpening => {
                 self.give_up(|kind| kind == Kind::Opening);

@@ -4,15 +4,15 @@
 //! runner stops it and discards its result.
 
 use super::Runner;
-use crate::app::{Action, DiskReport};
+use crate::app::{Action, DiskReport, TemplateOrder};
 use crate::jobs::opening::{Ready, refuse_unwritable};
 use crate::jobs::{Background, BackgroundReport, JobError, Reporter, look_at_match};
 use std::io::ErrorKind;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use touchline_calibration::pipelines::{VENUE_ENDING, Venue};
-use touchline_core::field::Template;
+use touchline_core::field::{Template, template_named, template_text};
 use touchline_documents::document::{Camera, DocumentAt};
 use touchline_documents::store::{self, Location, Store};
 use touchline_season::queue::QueuedMatch;
@@ -160,13 +160,32 @@ pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), J
     Ok(())
 }
 
-/// Writes a field template into a file. One that exists is replaced only if it is an earlier version
-/// of it.
-pub(super) fn write_template(
-    path: &Path,
-    text: &str,
-    replaces: bool,
-) -> Result<Box<Template>, JobError> {
+/// Reads or writes one of the user's own field templates.
+pub(super) fn carry_out_on_template(
+    of: PathBuf,
+    folder: &Path,
+    name: String,
+    order: TemplateOrder,
+) -> Result<DiskReport, JobError> {
+    Ok(match order {
+        TemplateOrder::Read => {
+            let template = template_named(&name, folder).map(Box::new);
+            DiskReport::TemplateRead { of, name, template }
+        }
+        TemplateOrder::ReadText => {
+            let text = template_text(&folder.join(&name))?;
+            DiskReport::TemplateText { of, name, text }
+        }
+        TemplateOrder::Write { text, replaces } => {
+            let template = write_template(&folder.join(&name), &text, replaces)?;
+            DiskReport::TemplateWritten { of, name, template }
+        }
+    })
+}
+
+/// Writes a field template into a file. One that exists is replaced only if it is an earlier
+/// version of it.
+fn write_template(path: &Path, text: &str, replaces: bool) -> Result<Box<Template>, JobError> {
     let template = Template::from_json(text, &path.display().to_string())?;
     if replaces {
         store::write_atomically(path, text.as_bytes())

@@ -2,9 +2,9 @@
 //!
 //! # Problem
 //!
-//! The panorama of the other stages needs a camera that turns: a still one has no focal length from
-//! matches. And it needs to know what the ground is: a court in a surround of another colour is
-//! half of its own picture. Yet such a camera mostly shows the whole court at once.
+//! The panorama of the other stages needs a camera that rotates: a still one has no focal length
+//! from matches. And it needs to know what the ground is: a court in a surround of another colour
+//! is half of its own picture. Yet such a camera mostly shows the whole court at once.
 //!
 //! # Idea
 //!

@@ -173,6 +173,7 @@ fn try_focal_scales(
     let mut done = 0;
     while let Some(&percent) = percents.get(done) {
         let at_scale = matched.at_scale(percent);
+        // What is shown first has no field: the paint alone, until a pose is found.
         if let (None, Ok((frames, panorama))) = (&shown, &at_scale) {
             shown = Some(view_panorama(matched, &frames.rotations, panorama, None));
         }
@@ -245,6 +246,7 @@ fn view_panorama(
     let unplaced = PanoramaPose::upright(Vec3::zeros(), Angle::default());
     let pose = placed.map_or(&unplaced, |(pose, _)| pose);
     let base = pose.base(rotations);
+    // Pan and tilt refer to the base, whose rotation in the panorama is the same for all poses.
     let base_from_panorama = base.base_from_world * pose.world_from_panorama;
     let directions = panorama.directions.iter();
     let frames = rotations.ptz.iter();

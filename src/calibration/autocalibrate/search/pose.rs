@@ -22,8 +22,8 @@ pub struct PanoramaPose {
 impl PanoramaPose {
     /// The base of the camera whose frames have these rotations.
     pub fn base(&self, rotations: &RelativeRotations) -> CameraBase {
-        // In `panorama` the cameras of the frames have a level base (`RelativeRotations::camera`), so
-        // `base_from_panorama` is that of the default angles.
+        // In `panorama` the cameras of the frames have a level base
+        // (`RelativeRotations::camera`), so `base_from_panorama` is that of the default angles.
         let base_from_panorama = BaseAngles::default().base_from_world();
         let base_from_world = base_from_panorama * self.world_from_panorama.transpose();
         CameraBase {

@@ -59,6 +59,7 @@ impl BaseChange {
         let positions = all.fixed_view::<3, 3>(0, 0) + Mat3::identity() * BETWEEN_MATCHES_M.powi(2);
         let leans = all.fixed_view::<2, 2>(3, 3)
             + Matrix2::identity() * BETWEEN_MATCHES_DEG.to_radians().powi(2);
+        // The errors of both matches add up, with what a tripod gives way between them.
         let of_both = all.fixed_view::<2, 3>(3, 0).into_owned();
         let inverse = positions.try_inverse().unwrap_or_default();
         // The lean, given that the position is the same (the conditional normal distribution).
@@ -70,6 +71,7 @@ impl BaseChange {
             .map_or(f64::INFINITY, |inverse| {
                 lean_if_same.dot(&(inverse * lean_if_same))
             });
+        // Mahalanobis distances, compared with quantiles of χ².
         let (whereabouts, lean, leans) = if position_squared > MAX_POSITION_SQUARED {
             (Whereabouts::Moved, turn.xy(), leans)
         } else if position_squared + lean_squared > MAX_BASE_SQUARED {
@@ -88,6 +90,7 @@ impl BaseChange {
 
     /// Whether the camera rather leans in another way or was moved, where it is not as it was.
     pub fn likelier_change(&self) -> Whereabouts {
+        // In units of what is known of each.
         let turned_sigmas = self.turned_deg / self.turned_sigma_deg;
         if turned_sigmas >= self.moved_m / self.moved_sigma_m {
             Whereabouts::Turned

@@ -3,7 +3,7 @@
 //! It is a forest's file: that has the cameras and the field of the document it was trained on, the
 //! views and the features that recognise them, a version and a checksum. A forest that `touchline
 //! train` wrote can be a venue, too; the one that is made here is smaller, and learns from frames
-//! that nobody has looked at if they are certain.
+//! that no person has looked at if they are certain.
 
 use super::size::{factor_between, scale_base, scale_seen};
 use crate::pipelines::forest_labels::{
@@ -61,11 +61,10 @@ impl Venue {
     /// # Errors
     /// It cannot be read, is no venue, is damaged, or has no camera with a base.
     pub fn read(path: &Path) -> Result<Self, VenueError> {
-        let in_file = |source| VenueError::Io {
+        let bytes = read_named(path, MAX_BYTES).map_err(|source| VenueError::Io {
             path: path.to_path_buf(),
             source,
-        };
-        let bytes = read_named(path, MAX_BYTES).map_err(in_file)?;
+        })?;
         Self::from_bytes(path, &bytes)
     }
 
@@ -75,6 +74,7 @@ impl Venue {
     /// As [`Self::read`].
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, VenueError> {
         let path = path.to_path_buf();
+        // The checksum is that of the whole file: what is read from here on is as it was written.
         let model = match ForestModel::from_bytes(bytes) {
             Ok(model) => model,
             Err(source) => return Err(VenueError::Forest { path, source }),
@@ -83,6 +83,7 @@ impl Venue {
             Ok(document) => document,
             Err(source) => return Err(VenueError::Cameras { path, source }),
         };
+        // The name is what messages say: a person chose it for the file.
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         let venue = Self {
             name: name.into_owned(),
@@ -129,6 +130,7 @@ impl VenueCamera<'_> {
     /// The forest of this camera alone, as that of a camera with another name in pictures of a
     /// size; none if they have other proportions.
     pub fn model_for(&self, name: &CameraId, size: ImageSize) -> Option<ForestModel> {
+        // Features do not depend on the size of the picture; the rays that they vote for do.
         let factor = factor_between(self.camera.image_size, size)?;
         Some(ForestModel {
             document: String::new(),
@@ -171,6 +173,7 @@ pub fn make_venue(
     for camera in at.document.used_cameras() {
         let certain = certain_frames(at.document, &camera);
         let has_base = at.document.camera(&camera).and_then(Camera::base).is_some();
+        // Spread over the camera's frames, so that all that it showed can be recognised.
         if has_base && certain.len() >= MIN_FRAMES {
             learnt.extend(subsample(certain, MAX_FRAMES));
             cameras.push(camera);
@@ -181,10 +184,12 @@ pub fn make_venue(
     if cameras.is_empty() {
         return Err(VenueError::NothingCertain);
     }
+    // The forest's document has the kept cameras alone: what is read from it has a base.
     document
         .cameras
         .retain(|camera| cameras.contains(&camera.id));
     learnt.sort_unstable();
+    // One tree: it is asked for a direction to begin with, not for a camera.
     let options = LearnOptions {
         features: FeatureOptions {
             max_count: MAX_FEATURES,

@@ -1,6 +1,6 @@
 //! A camera of a venue in pictures of another size: a match is recorded in more than one.
 
-use touchline_core::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
+use touchline_core::camera::{BaseSigma, CameraBase, FocalCurve};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use touchline_vision::relocalize::SeenRange;
 
@@ -36,13 +36,12 @@ pub fn scale_base(base: &CameraBase, factor: f64) -> CameraBase {
 /// The views of a forest's references in pictures that are larger by a factor.
 pub fn scale_seen(seen: &SeenRange, factor: f64) -> SeenRange {
     let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, factor));
-    let larger = |ptz: &Ptz| Ptz {
-        focal_px: ptz.focal_px * factor,
-        ..*ptz
-    };
+    // Focal lengths are in px, angles are not.
+    let mut cameras = seen.cameras.clone();
+    cameras.iter_mut().for_each(|ptz| ptz.focal_px *= factor);
     SeenRange {
         focal_px: seen.focal_px.start() * factor..=seen.focal_px.end() * factor,
-        cameras: seen.cameras.iter().map(larger).collect(),
+        cameras,
         labels: seen
             .labels
             .iter()
@@ -55,7 +54,7 @@ pub fn scale_seen(seen: &SeenRange, factor: f64) -> SeenRange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_core::camera::PtzCamera;
+    use touchline_core::camera::{Ptz, PtzCamera};
     use touchline_core::testing::{TestBase, base_at};
 
     #[test]

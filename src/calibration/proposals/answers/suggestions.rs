@@ -217,7 +217,7 @@ impl Suggestions {
         forget_oldest(kept);
     }
 
-    /// Turns a frame from what it shows on one side of a step to what it shows on the other. What
+    /// Changes a frame from what it shows on one side of a step to what it shows on the other. What
     /// the step, or another command since, has put on top goes with its batch; answers of a forest
     /// that came meanwhile stay beneath what is given back.
     pub fn turn(

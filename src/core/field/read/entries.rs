@@ -216,6 +216,7 @@ impl Reader<'_> {
             }
             let width_m =
                 self.scoped_expression(&format!("{part}, width_m"), &file.width_m, &variant)?;
+            // Dashes may depend on parameters, as widths may.
             let dash_part = format!("{part}, dash_m");
             let dash_m = match &file.dash_m {
                 Some([dash, gap]) => Some([

@@ -24,7 +24,7 @@ use touchline_core::solve::base::shared_places;
 const FEWEST_FRAMES: usize = 5;
 
 /// Frames follow each other if their optical axes turn by less than this from one to the next, rad:
-/// the median. A broadcast camera turns by .5° or less in a frame, stills of a match by 15°.
+/// the median. A broadcast camera pans by .5° or less in a frame, stills of a match by 15°.
 const MOST_TURN_RAD: f64 = 0.05;
 
 /// Places of one camera have no wider gap along an axis than this, m, and than this multiple of the

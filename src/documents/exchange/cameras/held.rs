@@ -56,7 +56,7 @@ pub fn relative_name(frame: &FrameCamera) -> String {
 }
 
 /// Refuses frames of two videos or of two folders of images in one sequence, and images of two
-/// cameras in one that does not name its camera. Cameras of one video take turns in it.
+/// cameras in one that does not name its camera. Cameras of one video alternate in it.
 ///
 /// # Errors
 /// The first two frames that are not of one sequence are named.

@@ -320,7 +320,7 @@ impl ViewReader<'_> {
                     self.fitted += 1;
                     let off_px = self.misfit_px(&ground, &view, size);
                     if off_px > MOST_MISFIT_PX {
-                        // Somebody has to look at it before it counts.
+                        // A person has to look at it before it counts.
                         fit.record.status = FrameStatus::Draft;
                         self.misfits.push((frame.name.clone(), off_px));
                     }

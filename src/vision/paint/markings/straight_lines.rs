@@ -177,7 +177,7 @@ fn fit(start: &StraightLine, ridges: &[Ridge], scale: f64) -> Option<StraightLin
         if line.pieces.is_empty() {
             return None;
         }
-        // Ridges off the pieces are other things on the same line of sight.
+        // Ridges off the pieces are other things on the same ray.
         let is_within =
             |at: &&ImagePoint| line.covered_within_px(around(line.along_px(**at))) > 0.0;
         line = through(near.iter().filter(is_within), line.pieces.clone())?;

@@ -1,6 +1,6 @@
 //! Opens, saves and leaves documents.
 
-use crate::app::effect::{Beside, Effect};
+use crate::app::effect::{Beside, Effect, TemplateOrder};
 use crate::app::operations::Operations;
 use crate::app::settings::RecentDocument;
 use crate::app::window_state::session::{
@@ -111,10 +111,11 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let (of, folder) = (&open.file, &open.folder);
         let names = open.derived.take_wanted_templates().into_iter();
-        self.effects.extend(names.map(|name| Effect::ReadTemplate {
+        self.effects.extend(names.map(|name| Effect::Template {
             of: of.clone(),
             folder: folder.clone(),
             name,
+            order: TemplateOrder::Read,
         }));
     }
 
@@ -278,7 +279,7 @@ mod tests {
     fn requests(effects: Vec<Effect>) -> Vec<Effect> {
         effects
             .into_iter()
-            .filter(|effect| matches!(effect, Effect::ReadTemplate { .. }))
+            .filter(|effect| matches!(effect, Effect::Template { .. }))
             .collect()
     }
 
@@ -358,7 +359,16 @@ mod tests {
             "/match".into(),
             "own.json".to_owned(),
         );
-        assert_eq!(effects, [Effect::ReadTemplate { of, folder, name }]);
+        let order = crate::app::TemplateOrder::Read;
+        assert_eq!(
+            effects,
+            [Effect::Template {
+                of,
+                folder,
+                name,
+                order
+            }]
+        );
         assert!(matches!(
             app.current().field,
             Some(Err(FieldError::BeingRead { .. }))

@@ -3,7 +3,7 @@
 
 use crate::app::App;
 use crate::app::action::FieldChange;
-use crate::app::effect::Effect;
+use crate::app::effect::{Effect, TemplateOrder};
 use crate::app::window_state::field_draft::FieldDraft;
 use crate::app::window_state::session::{Dialog, Level};
 use std::path::Path;
@@ -21,10 +21,11 @@ impl App {
                 let (open, spec) = (self.open.as_ref(), self.shown_field_spec());
                 if let Some((open, spec)) = open.zip(spec.filter(|spec| spec.is_file())) {
                     // The editor opens when the text is there.
-                    return self.effects.push(Effect::ReadTemplateText {
+                    return self.effects.push(Effect::Template {
                         of: open.file.clone(),
                         folder: open.folder.clone(),
                         name: spec.template.clone(),
+                        order: TemplateOrder::ReadText,
                     });
                 }
                 self.session.field_draft = Some(FieldDraft::begin(""));
@@ -82,12 +83,15 @@ impl App {
         let Some(name) = draft.file_name() else {
             return;
         };
-        self.effects.push(Effect::WriteTemplate {
+        let order = TemplateOrder::Write {
+            text: draft.text().to_owned(),
+            replaces: draft.saved_as.as_ref() == Some(&name),
+        };
+        self.effects.push(Effect::Template {
             of: open.file.clone(),
             folder: open.folder.clone(),
-            replaces: draft.saved_as.as_ref() == Some(&name),
             name,
-            text: draft.text().to_owned(),
+            order,
         });
     }
 
@@ -136,10 +140,9 @@ mod tests {
     /// The file that an action writes: its name, its text, and whether it replaces one.
     fn written(effects: &[Effect]) -> Option<(&str, &str, bool)> {
         effects.iter().find_map(|effect| match effect {
-            Effect::WriteTemplate {
+            Effect::Template {
                 name,
-                text,
-                replaces,
+                order: TemplateOrder::Write { text, replaces },
                 ..
             } => Some((name.as_str(), text.as_str(), *replaces)),
             _ => None,
