@@ -38,7 +38,9 @@ pub fn scale_seen(seen: &SeenRange, factor: f64) -> SeenRange {
     let scale = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, factor));
     // Focal lengths are in px, angles are not.
     let mut cameras = seen.cameras.clone();
-    cameras.iter_mut().for_each(|ptz| ptz.focal_px *= factor);
+    for ptz in &mut cameras {
+        ptz.focal_px *= factor;
+    }
     SeenRange {
         focal_px: seen.focal_px.start() * factor..=seen.focal_px.end() * factor,
         cameras,
