@@ -176,8 +176,11 @@ fn describe_found(found: &AutocalibratedCamera, messages: Messages) {
         "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",
         at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.field.crown_m
     ));
-    // What is measured by a search; a camera of a venue was reported with its own evidence.
+    // Shares of paint and lines are measured by the search of a panorama alone, not on courts and
+    // with the camera of a venue.
     if evidence.lines.is_empty() {
+        let frames = pluralise(evidence.frames, "frame");
+        messages.note(&format!("{frames}; evidence {:.0} nats", evidence.nats));
         return;
     }
     if let Some(aspect) = &evidence.pixel_aspect {

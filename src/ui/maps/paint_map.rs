@@ -88,6 +88,9 @@ fn scale_within(map: &PaintMapFrame, size: Vec2) -> f32 {
 /// The evidence in words, for a screen reader.
 fn describe(found: &FoundCamera) -> String {
     let evidence = &found.found.evidence;
+    if evidence.lines.is_empty() {
+        return "Map of paint and lines".to_owned();
+    }
     format!(
         "Map of paint and lines: {:.0} % of the paint lies on lines, {:.0} % of the lines are seen",
         100.0 * evidence.explained,

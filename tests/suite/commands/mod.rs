@@ -21,4 +21,5 @@ mod synth_command;
 mod track_command;
 mod unreadable_end;
 mod unseen_length;
+mod venue_command;
 mod window_command;
