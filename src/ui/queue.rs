@@ -2,7 +2,7 @@
 
 use super::Panel;
 use super::controls::symbol::Symbol;
-use super::controls::theme::{self, Themed as _};
+use super::controls::theme::Themed as _;
 use super::controls::{Heading, symbol};
 use super::drawing::pictures::paint_filling;
 use super::review::{paint_ground, text_within};
@@ -158,6 +158,6 @@ fn footer(panel: &mut Panel<'_>, ui: &mut Ui, is_wide: bool) {
             "Previous"
         };
         panel.command_button(ui, Button::new(previous), Command::PreviousMatch);
-        theme::weak(ui, "");
+        ui.add_space(LINE);
     });
 }

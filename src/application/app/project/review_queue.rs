@@ -432,6 +432,8 @@ mod tests {
         }
         assert_eq!(says(&app, 1).as_deref(), Some("failed: gone"));
         assert_eq!(says(&app, 2).as_deref(), Some("no camera yet"));
+        // Something else is opened in place of the match.
+        app.forget_match_to_open();
         opened(&mut app, "elsewhere", None);
         assert!(app.queue().is_none(), "it was not opened by the queue");
     }

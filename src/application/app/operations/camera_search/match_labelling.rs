@@ -355,7 +355,7 @@ fn describe_labelled(document: &Document, labelled: &LabelledMatch) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::Action;
+    use crate::app::{Action, ViewAction};
     use touchline_core::geometry::ImageSize;
     use touchline_core::testing::base_at;
     use touchline_documents::testing::{WithFrames, new_video_frame, ptz_at, soccer_document};
@@ -460,6 +460,7 @@ mod tests {
         let mut app = app();
         let open = app.open.as_mut().unwrap();
         open.document.frames[5].camera = "side".into();
+        app.update(Action::View(ViewAction::CloseDialog));
         assert!(app.why_not(Command::FindCameras).is_some());
         assert!(app.why_not(Command::StopFindCameras).is_some());
     }
