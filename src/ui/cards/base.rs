@@ -16,6 +16,8 @@ use touchline_documents::document::FrameId;
 
 /// Height of the two tiles, points.
 const TILE: f32 = 92.0;
+/// The same where one says why there is no search, points.
+const TILE_WITH_REASON: f32 = 140.0;
 /// Height of a thumbnail, points.
 const THUMBNAIL: f32 = 24.0;
 /// The parts of the field that the three frames should show.
@@ -39,7 +41,12 @@ fn show_ways(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
         }
     }
     let gap = ui.spacing().item_spacing.x;
-    let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), TILE), Sense::hover());
+    let height = if missing.why_no_search.is_some() {
+        TILE_WITH_REASON
+    } else {
+        TILE
+    };
+    let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     let width = (row.width() - gap) / 2.0;
     let left = row.with_max_x(row.left() + width);
     ui.scope_builder(UiBuilder::new().max_rect(left), |ui| {

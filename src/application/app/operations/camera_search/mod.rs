@@ -165,7 +165,8 @@ impl CameraSearch {
 fn why_no_search_of_sport(document: &Document, camera: &CameraId) -> Option<&'static str> {
     let template = &document.field_of_camera(camera).template;
     let of_rules = builtin(template).and_then(Template::default_model);
-    if template == "soccer" || of_rules.is_ok_and(|field| is_court(&field)) {
+    // A template of the user's own is not built in: the search looks whether it is of a court.
+    if template == "soccer" || of_rules.ok().is_none_or(|field| is_court(&field)) {
         return None;
     }
     let mut frames = document.frames.iter();
@@ -348,5 +349,25 @@ impl CameraSearchState {
     /// The inputs of the running search.
     pub fn running(&self) -> Option<&CameraSearch> {
         self.slot.running().map(Running::operation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_documents::document::FieldSpec;
+    use touchline_documents::testing::soccer_document;
+
+    #[test]
+    fn soccer_courts_and_fields_of_ones_own_are_searched_without_a_click() {
+        let is_searched = |template: &str| {
+            let mut document = soccer_document();
+            document.field = FieldSpec::new(template);
+            why_no_search_of_sport(&document, &"main".into()).is_none()
+        };
+        for template in ["soccer", "tennis", "my_court.json"] {
+            assert!(is_searched(template), "{template}");
+        }
+        assert!(!is_searched("american_football_nfl"));
     }
 }
