@@ -46,7 +46,8 @@ struct Choices {
 
 /// Shows the dialog.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    let Some(draft) = panel.app.session.field_draft.clone() else {
+    let app = panel.app;
+    let Some(draft) = &app.session.field_draft else {
         panel.close_dialog();
         return;
     };
@@ -60,13 +61,13 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         let memory = Id::unique("field editor");
         let mut choices: Choices = ui.data(|data| data.get_temp(memory)).unwrap_or_default();
         let left = whole.with_max_x(middle - theme::SPACE);
-        drawing(panel, ui, left, &draft, &mut choices);
+        drawing(panel, ui, left, draft, &mut choices);
         ui.scope_builder(UiBuilder::new().max_rect(whole.with_min_x(middle)), |ui| {
-            text(panel, ui, &draft);
+            text(panel, ui, draft);
         });
-        tools(panel, ui, &draft, &mut choices);
+        tools(panel, ui, draft, &mut choices);
         ui.data_mut(|data| data.insert_temp(memory, choices));
-        end(panel, ui, &draft);
+        end(panel, ui, draft);
     });
 }
 
