@@ -67,7 +67,9 @@ pub use {
     outcome::covariance::{
         GroundError, UNSTATED_PX, covariance_in_radians, covariance_of_four_points,
     },
-    outcome::verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, judge},
+    outcome::verdict::{
+        CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, RIGHT_PX, judge, probability_right,
+    },
     refine::refine_until,
     warning::UnknownWarningCode,
 };

@@ -128,6 +128,7 @@ pub use edits::step_edit::{StepEdit, StepMisfit};
 pub use edits::suggestion_change::SuggestionChange;
 pub use frame_state::gold::RepeatedClicks;
 pub use frame_state::moment::Moment;
+pub use frame_state::overlay_sigma::OverlaySigma;
 pub use frame_state::suggestion::Suggestion;
 pub use model::camera::{Camera, CameraSigma, Distortion, K1Curve, Stage};
 pub use model::camera_id::CameraId;

@@ -189,21 +189,25 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
     });
 }
 
+const UNCERTAINTY_TIP: &str = "1-σ of the drawn lines at the worst corner of the picture, \
+                               including the uncertainty of the base.";
+
 /// Shows 1-σ at the worst corner, and the button that discards numbers set by hand.
 fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     // The uncertainty that was computed here, or else the one that the document records.
-    let stored = frame
-        .solution
-        .as_ref()
-        .and_then(|solution| solution.worst_corner_sigma_px);
     let shown = panel.app.shown_values();
-    let stored = stored.filter(|_| !shown.is_estimated);
-    let sigma = shown
-        .click_solution()
-        .map(|solved| solved.worst_corner_sigma_px)
-        .or(stored);
+    let recorded = panel.app.open().filter(|_| !shown.is_estimated);
+    let recorded = recorded.and_then(|open| open.document.overlay_sigma(frame));
+    let solved = shown.click_solution();
+    let sigma_px = match solved {
+        Some(solved) => Some(solved.worst_corner_sigma_px),
+        None => recorded.map(|sigma| sigma.px),
+    };
+    let unused_base_px = recorded
+        .filter(|_| solved.is_none())
+        .and_then(|sigma| sigma.unused_base_px);
     ui.horizontal(|ui| {
-        match sigma.filter(|sigma| sigma.is_finite()) {
+        match sigma_px.filter(|sigma| sigma.is_finite()) {
             Some(sigma) => {
                 ui.label("Worst corner");
                 theme::strong(ui, format!("±{sigma:.1} px"));
@@ -222,7 +226,14 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
         }
     })
     .response
-    .on_hover_text("1-σ of the drawn lines at the worst corner of the picture, including the uncertainty of the base.");
+    .on_hover_text(match unused_base_px {
+        Some(px) => format!(
+            "1-σ of the drawn lines at the worst corner of the picture, as the confidence takes it. \
+             The uncertainty of the base would add ±{px:.0} px, but frames that look this way \
+             confirm the base."
+        ),
+        None => UNCERTAINTY_TIP.to_owned(),
+    });
 }
 
 /// Says why there are no numbers yet, and offers to set them by hand.

@@ -23,6 +23,7 @@ use super::nearest_references::nearest;
 use serde::Serialize;
 use touchline_core::camera::{AngularDistance, Ptz};
 use touchline_core::geometry::ImageSize;
+use touchline_core::solve::probability_right;
 
 /// The evidence for an answer. The number of inliers is not part of it: those of one advertising
 /// board, or of a row of them, agree on a wrong camera in any number. But boards are narrow, and
@@ -68,9 +69,6 @@ const PER_TURN_PX: f64 = 22.0;
 /// The additional error stops growing at this rotation, in picture widths: so far away features
 /// agree on a camera only if they cover much of the picture otherwise.
 const FARTHEST_TURN: f64 = 0.35;
-
-/// An overlay with at most this error is right, px at 1920 px width.
-const RIGHT_PX: f64 = 10.0;
 
 impl FromReference {
     /// Relative to the nearest reference; zero if none is known.
@@ -139,8 +137,6 @@ impl Evidence {
     /// evidence such as painted lines, and with a further 1-σ of the overlay from that evidence, px
     /// at 1920 px width.
     pub fn confidence_if(&self, agreement: f64, seen_sigma_px: f64) -> f64 {
-        // The error's length has a Rayleigh distribution, P(e ≤ r) = 1 − exp(−r²/s²), where s² is
-        // the expected squared length, twice the variance along one axis.
         // The three parts have different causes (labels, lens and base, other evidence), so their
         // variances add.
         let by_turning = PER_TURN_PX * self.from_reference.turn.min(FARTHEST_TURN);
@@ -148,8 +144,7 @@ impl Evidence {
             .labelled_sigma_px
             .hypot(by_turning)
             .hypot(seen_sigma_px);
-        let within = 1.0 - (-(RIGHT_PX / sigma_px).powi(2)).exp();
-        let probability = agreement * within;
+        let probability = agreement * probability_right(sigma_px);
         // `f64::min` would take the bound in place of a probability that is not a number.
         if probability.is_nan() {
             0.0

@@ -3,6 +3,7 @@
 use super::evidence::apart_px;
 use touchline_core::camera::Ptz;
 use touchline_core::geometry::{ImageSize, Mat3, Vec3};
+use touchline_core::solve::{RIGHT_PX, probability_right};
 
 /// 1-σ of the error that all frames of a clip have in common, which no further frame reduces: their
 /// lines are half a pixel thick far away. Pan and tilt in px at 1920 px width, the focal length as
@@ -42,9 +43,6 @@ pub(super) fn with_unseen_lines(mut covariance: Mat3, lines_px: f64, ptz: Ptz) -
     covariance[(1, 1)] += variance;
     covariance
 }
-
-/// An overlay with at most this error is right, px at 1920 px width.
-const RIGHT_PX: f64 = 10.0;
 
 /// Cameras from the two directions of propagation that differ by more than this get a warning, px
 /// at 1920 px width.
@@ -111,8 +109,7 @@ pub(super) struct TrackedOverlay {
     pub paint: PaintVerdict,
 }
 
-/// The probability that a tracked camera's overlay is right within [`RIGHT_PX`]. The error of a
-/// point has two normal components, so its length has a Rayleigh distribution.
+/// The probability that a tracked camera's overlay is right within [`RIGHT_PX`].
 pub(super) fn confidence(overlay: &TrackedOverlay, size: ImageSize) -> f64 {
     let TrackedOverlay {
         corner_px,
@@ -120,9 +117,7 @@ pub(super) fn confidence(overlay: &TrackedOverlay, size: ImageSize) -> f64 {
         paint,
     } = *overlay;
     let px = size.scale_from_1920();
-    // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
-    let sigma_px = corner_px / 2f64.sqrt();
-    let right = right_within(RIGHT_PX * px, sigma_px);
+    let right = probability_right(corner_px / px);
     // Without paint, the two directions of propagation must not contradict each other.
     let both_sides = apart_px.is_none_or(|apart_px| apart_px <= RIGHT_PX * px);
     let is_contradicted = match paint {
@@ -142,11 +137,6 @@ pub(super) fn most_certain(known: impl Iterator<Item = (f64, PaintVerdict)>) -> 
             PaintVerdict::Agrees | PaintVerdict::Silent | PaintVerdict::Unconfirmed => confidence,
         })
         .fold(0.0, f64::max)
-}
-
-/// The probability that an error with a Rayleigh distribution is at most `px`; 1 for σ = 0.
-fn right_within(px: f64, sigma_px: f64) -> f64 {
-    1.0 - (-0.5 * (px / sigma_px).powi(2)).exp()
 }
 
 #[cfg(test)]

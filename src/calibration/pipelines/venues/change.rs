@@ -121,8 +121,7 @@ impl fmt::Display for BaseChange {
         match whereabouts {
             Whereabouts::Same => write!(
                 out,
-                "same place (measured again: {moved_m:.2} ± {moved_sigma_m:.2} m and \
-                 {turned_deg:.2} ± {turned_sigma_deg:.2}° off)"
+                "same place (measured again: {moved_m:.2} ± {moved_sigma_m:.2} m off)"
             ),
             Whereabouts::Turned => write!(
                 out,

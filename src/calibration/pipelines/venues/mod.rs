@@ -13,7 +13,8 @@
 //! a forest that learnt them gives the direction of a frame, or finds none. But they do not say where
 //! the camera stands: a forest rotates a camera that was moved until its features fit. The paint of
 //! the frames does: each is aligned to its own, the base is estimated anew from all of them, and
-//! compared with the known one by the uncertainty of both.
+//! compared with the known one: by how much better it explains the paint, and by the uncertainty of
+//! both.
 //!
 //! | step | file |
 //! |---|---|

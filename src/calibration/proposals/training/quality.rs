@@ -15,6 +15,7 @@ use std::collections::BTreeSet;
 use touchline_core::camera::{Ptz, PtzCamera, image_space_distances_px};
 use touchline_core::geometry::{ImagePoint, ImageSize, Mat3, median, subsample};
 use touchline_core::progress::{Progress, Share};
+use touchline_core::solve::RIGHT_PX;
 use touchline_documents::document::{Camera, Clip, Document, Frame, FrameId};
 use touchline_vision::media::ReadFrames;
 use touchline_vision::relocalize::{
@@ -36,10 +37,6 @@ const MOST_REFERENCES: usize = 1000;
 
 /// Number of references with features in memory while samples are collected.
 const BATCH: usize = 32;
-
-/// An overlay with an error of at most this is right, px at 1920 px width. A confidence is the
-/// probability of that.
-const RIGHT_PX: f64 = 10.0;
 
 /// An overlay with a larger error is wrong, px at 1920 px width.
 pub const WRONG_PX: f64 = 20.0;

@@ -8,6 +8,17 @@ use std::fmt;
 /// A good frame has at most this 1-σ at the worst corner, px at 1920 px width.
 pub const GOOD_CORNER_SIGMA_PX: f64 = 7.0;
 
+/// An overlay with an error of at most this is right, px at 1920 px width.
+pub const RIGHT_PX: f64 = 10.0;
+
+/// The probability that an overlay is right, from its 1-σ at the worst corner, px at 1920 px width.
+///
+/// The error's length has a Rayleigh distribution, P(e ≤ r) = 1 − exp(−r²/s²), where s² is the
+/// expected squared length, twice the variance along one axis.
+pub fn probability_right(corner_sigma_px: f64) -> f64 {
+    1.0 - (-(RIGHT_PX / corner_sigma_px).powi(2)).exp()
+}
+
 /// From this misfit on, the clicks contradict each other (see [`FrameSolution::misfit`]).
 pub const WRONG_MISFIT: f64 = 4.0;
 

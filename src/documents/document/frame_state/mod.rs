@@ -9,6 +9,7 @@ pub mod gold;
 mod ground;
 pub mod model_points;
 pub mod moment;
+pub mod overlay_sigma;
 pub mod suggestion;
 mod unanswered;
 mod uses;

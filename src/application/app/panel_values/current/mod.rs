@@ -164,7 +164,8 @@ impl Current {
             .as_ref()
             .is_some_and(|solution| solution.source == Some(SolutionSource::Manual));
         let snapped = frame.solution.as_ref().filter(|_| frame.is_snapped());
-        let snapped = snapped.map(|solution| judge_snapped(solution, frame.image_size));
+        let corner_px = open.document.overlay_sigma(frame).map(|sigma| sigma.px);
+        let snapped = snapped.map(|solution| judge_snapped(solution, corner_px, frame.image_size));
         let is_by_clicks = !by_hand
             && snapped.is_none()
             && frame.clicks.iter().any(|click| click.target.is_some());
@@ -341,10 +342,9 @@ fn camera_as_imported(frame: &Frame, base: Option<&CameraBase>) -> Option<PtzCam
 }
 
 /// The verdict on a camera that is aligned to painted lines. The alignment has been checked against
-/// the paint before. If a confidence is recorded, it decides: the uncertainty at the worst corner
-/// may be large although the camera is right, if no line is near that corner.
-fn judge_snapped(solution: &Solution, size: ImageSize) -> Judgement {
-    let corner_px = solution.worst_corner_sigma_px;
+/// the paint before. If a confidence is recorded, it decides: the uncertainty at the worst corner,
+/// `corner_px`, may be large although the camera is right, if no line is near that corner.
+fn judge_snapped(solution: &Solution, corner_px: Option<f64>, size: ImageSize) -> Judgement {
     let limit_px = GOOD_CORNER_SIGMA_PX * size.scale_from_1920();
     let is_good = match solution.confidence {
         Some(confidence) => confidence >= CERTAIN,

@@ -79,13 +79,12 @@ fn the_preview_follows_the_pointer_and_the_frame_stays_solved() {
 #[test]
 fn an_alignment_is_described_by_the_numbers_that_are_known_of_it() {
     let mut solution = Solution::default();
-    let judgement = judge_snapped(&solution, SIZE);
+    let judgement = judge_snapped(&solution, None, SIZE);
     assert_eq!(judgement.reason, "painted lines fit");
     assert_eq!(judgement.verdict, Verdict::Check);
-    solution.worst_corner_sigma_px = Some(1.3);
     (solution.samples, solution.rms_px) = (Some(212), Some(0.81));
     assert_eq!(
-        judge_snapped(&solution, SIZE).reason,
+        judge_snapped(&solution, Some(1.3), SIZE).reason,
         "worst corner ±1.3 px; 212 points on painted lines fit to 0.8 px"
     );
 }
