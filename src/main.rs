@@ -8,7 +8,7 @@ use touchline::cli::{self, Next};
 fn main() -> ExitCode {
     match cli::run() {
         Next::Exit(code) => code,
-        Next::Window(document) => window(document),
+        Next::Window(documents) => window(documents),
     }
 }
 
@@ -19,10 +19,8 @@ fn refuse(why: &str) -> ExitCode {
 }
 
 #[cfg(feature = "gui")]
-fn window(document: Option<std::path::PathBuf>) -> ExitCode {
-    if let Some(document) = &document
-        && !document.exists()
-    {
+fn window(documents: Vec<std::path::PathBuf>) -> ExitCode {
+    if let Some(document) = documents.iter().find(|document| !document.exists()) {
         return refuse(&format!(
             "{}: neither a file or folder nor a command; see touchline --help",
             document.display()
@@ -39,7 +37,7 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
     }
     // Before any library of the window system is loaded.
     cli::give_runtime_folder();
-    let why = match touchline::ui::run(document) {
+    let why = match touchline::ui::run(documents) {
         Ok(()) => return ExitCode::SUCCESS,
         Err(touchline::ui::WindowError::BrokeDown(panicked)) => format!(
             "the window broke down: {panicked}. Every edit was journalled as it was made and is there when the project is opened \
@@ -80,6 +78,6 @@ fn is_about_display(error: &str) -> bool {
 }
 
 #[cfg(not(feature = "gui"))]
-fn window(_document: Option<std::path::PathBuf>) -> ExitCode {
+fn window(_documents: Vec<std::path::PathBuf>) -> ExitCode {
     refuse("this program was built without the window (feature \"gui\"); see touchline --help")
 }

@@ -51,8 +51,9 @@ use terminal::messages::Messages;
 #[derive(Parser)]
 #[command(name = "touchline", version, about)]
 struct Cli {
-    /// A project, dataset, folder of frames, video or queue to open in the window.
-    document: Option<PathBuf>,
+    /// A project, dataset, folder of frames, video or queue to open in the window; several videos
+    /// or projects open as a queue.
+    documents: Vec<PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
     /// Messages as JSON, one object a line.
@@ -118,8 +119,8 @@ impl Outcome {
 pub enum Next {
     /// Exit with the code of the command that has run.
     Exit(ExitCode),
-    /// Open the window, on a document if one was named.
-    Window(Option<PathBuf>),
+    /// Open the window, on the documents that were named.
+    Window(Vec<PathBuf>),
 }
 
 /// The command line as clap has it, for man pages and completions.
@@ -142,10 +143,10 @@ pub fn run() -> Next {
         Messages::Text
     };
     let Some(command) = cli.command else {
-        return Next::Window(cli.document);
+        return Next::Window(cli.documents);
     };
-    // The parser accepts `touchline DOC COMMAND`, for the window alone takes a document there.
-    if let Some(document) = cli.document {
+    // The parser accepts `touchline DOC COMMAND`, for the window alone takes documents there.
+    if let Some(document) = cli.documents.first() {
         messages.error(&format!(
             "{} comes before the command; put it after the command",
             document.display()

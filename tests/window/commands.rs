@@ -167,7 +167,7 @@ fn a_comment_is_written_and_an_overlay_colour_chosen() {
 fn nothing_open_invites_and_takes_a_typed_path() {
     let mut harness = egui_kittest::Harness::builder()
         .with_size(SIZE)
-        .build_eframe(|creation| Shell::new(creation, None, None).unwrap());
+        .build_eframe(|creation| Shell::new(creation, None, Vec::new()).unwrap());
     harness.run_steps(3);
     harness.get_by_label("How two clicks solve a frame");
     harness.get_by_label_contains("Video…");

@@ -221,7 +221,7 @@ impl Window {
             .with_size(size)
             .with_pixels_per_point(pixels_per_point)
             .wgpu_setup(graphics())
-            .build_eframe(move |creation| Shell::new(creation, Some(kept), Some(path)).unwrap());
+            .build_eframe(move |creation| Shell::new(creation, Some(kept), vec![path]).unwrap());
         let mut window = Self {
             harness,
             folder,

@@ -218,7 +218,7 @@ fn nothing_can_be_clicked_where_the_picture_is_missing() {
 fn without_a_graphics_adapter_the_window_still_runs() {
     let mut harness = Harness::builder()
         .with_size([960.0, 600.0])
-        .build_eframe(|creation| Shell::new(creation, None, None).unwrap());
+        .build_eframe(|creation| Shell::new(creation, None, Vec::new()).unwrap());
     harness.run_steps(3);
     assert!(harness.state().app().open().is_none());
 }

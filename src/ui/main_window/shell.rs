@@ -33,15 +33,15 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// Creates the application and opens `document`. Settings are read from and kept in
-    /// `settings_path`, if given.
+    /// Creates the application and opens `documents`, several of them as if they were dropped.
+    /// Settings are read from and kept in `settings_path`, if given.
     ///
     /// # Errors
     /// The operating system provides no thread.
     pub fn new(
         creation: &eframe::CreationContext<'_>,
         settings_path: Option<PathBuf>,
-        document: Option<PathBuf>,
+        documents: Vec<PathBuf>,
     ) -> io::Result<Self> {
         theme::apply(&creation.egui_ctx);
         symbol::install(&creation.egui_ctx);
@@ -78,7 +78,11 @@ impl Shell {
         };
         shell.report_about_adapter(creation);
         let first = trouble.map(|text| Action::View(ViewAction::Notify(Level::Warning, text)));
-        shell.apply(first.into_iter().chain(document.map(Action::Open)));
+        let open = match <[PathBuf; 1]>::try_from(documents) {
+            Ok([document]) => Some(Action::Open(document)),
+            Err(several) => (!several.is_empty()).then_some(Action::OpenAny(several)),
+        };
+        shell.apply(first.into_iter().chain(open));
         Ok(shell)
     }
 

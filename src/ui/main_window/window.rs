@@ -24,11 +24,11 @@ fn icon() -> egui::IconData {
     eframe::icon_data::from_png_bytes(touchline_assets::ICON_PNG).unwrap_or_default()
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window with `documents` and returns when it is closed.
 ///
 /// # Errors
 /// [`WindowError`]: there is no display or no way to draw on it, or the window broke down.
-pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
+pub fn run(documents: Vec<PathBuf>) -> Result<(), WindowError> {
     // Only the window's place is needed here. The window reads the settings again and reports what
     // is wrong with them.
     let known = settings_path()
@@ -55,7 +55,7 @@ pub fn run(document: Option<PathBuf>) -> Result<(), WindowError> {
             "touchline",
             options,
             Box::new(|creation| {
-                let shell = Shell::new(creation, settings_path(), document)?;
+                let shell = Shell::new(creation, settings_path(), documents)?;
                 Ok(Box::new(shell))
             }),
         )
