@@ -137,6 +137,16 @@ impl<T: Clone> History<T> {
         self.done.back().map(|(step, _)| step)
     }
 
+    /// The newest step whose name begins with `name`, with the values before and after it; the
+    /// latter is none where that is the current one.
+    pub fn newest_named(&self, name: &str) -> Option<(&Step, &T, Option<&T>)> {
+        let is_named = |(step, _): &(Step, T)| step.name.starts_with(name);
+        let index = self.done.iter().rposition(is_named)?;
+        let (step, before) = &self.done[index];
+        let after = self.done.get(index + 1).map(|(_, after)| after);
+        Some((step, before, after))
+    }
+
     /// The step that redo would repeat.
     pub fn next_redo(&self) -> Option<&Step> {
         self.undone.back().map(|(step, _)| step)

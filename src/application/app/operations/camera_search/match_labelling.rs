@@ -23,8 +23,10 @@ use touchline_core::geometry::{pluralise, thousands};
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, CameraId, Document, Frame};
 
-/// The name of the step of undo.
+/// The name of the step of undo, and of one with what was found until the user stopped the work.
+/// The history, which outlives the program, says by it with what the command goes on.
 const STEP: &str = "Find the cameras of the video";
+const STOPPED_STEP: &str = "Find the cameras of the video until stopped";
 
 /// Finds the cameras of a video, and labels its frames.
 #[derive(Debug)]
@@ -57,17 +59,14 @@ pub struct LabelledDocument {
 #[derive(Debug, Default)]
 pub(in crate::app) struct MatchLabellingState {
     slot: Slot<MatchLabelling>,
-    stopped: Option<StoppedLabelling>,
 }
 
 /// Work that the user has stopped, with which the command goes on.
-#[derive(Debug)]
-struct StoppedLabelling {
-    /// The document from which it started, and the camera that was searched.
-    document: Document,
-    camera: CameraId,
+struct StoppedLabelling<'a> {
+    /// The document from which it started.
+    document: &'a Document,
     /// The document with what was found.
-    with_found: Document,
+    with_found: &'a Document,
 }
 
 // ---- The work ----
@@ -218,27 +217,30 @@ impl App {
 
     /// The stopped work with which the command goes on: its cameras are still those of the
     /// document.
-    fn stopped_labelling(&self) -> Option<&StoppedLabelling> {
-        let now = &self.open.as_ref()?.document;
-        let stopped = self.operations.match_labelling.stopped.as_ref()?;
-        let then = &stopped.with_found;
-        AsItWas { then, now }.has_cameras().then_some(stopped)
+    fn stopped_labelling(&self) -> Option<StoppedLabelling<'_>> {
+        let open = self.open.as_ref()?;
+        let now = &*open.document;
+        let (step, document, after) = open.history.newest_named(STEP)?;
+        let then = after.unwrap_or(now);
+        let goes_on = step.name == STOPPED_STEP && AsItWas { then, now }.has_cameras();
+        goes_on.then_some(StoppedLabelling {
+            document,
+            with_found: then,
+        })
     }
 
     fn label_match(&mut self) {
         self.commit_open_step();
-        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else {
+        let Some(open) = &self.open else { return };
+        let (document, replaces) = match self.stopped_labelling() {
+            Some(stopped) => (stopped.document.clone(), stopped.with_found.clone()),
+            None => ((*open.document).clone(), (*open.document).clone()),
+        };
+        // The shown frame was assigned to one of the cameras that were found.
+        let Some(frame) = document.frames.get(self.session.frame) else {
             return;
         };
-        let now = (*open.document).clone();
-        let (document, camera, replaces) = match self.stopped_labelling() {
-            Some(StoppedLabelling {
-                document,
-                camera,
-                with_found,
-            }) => (document.clone(), camera.clone(), with_found.clone()),
-            None => (now.clone(), camera, now),
-        };
+        let camera = frame.camera.clone();
         let (file, folder) = (open.file.clone(), open.folder.clone());
         self.operations.camera_search.left = SearchFollowUp::Nothing;
         // It looks for the cuts itself.
@@ -271,15 +273,14 @@ impl App {
             return self.session.notify_with(Level::Info, text, offers);
         };
         let text = describe_labelled(&joined, labelled);
-        if !self.take_joined(STEP, joined) {
+        let step = if labelled.is_stopped {
+            STOPPED_STEP
+        } else {
+            STEP
+        };
+        if !self.take_joined(step, joined) {
             return;
         }
-        let stopped = self.open.as_ref().filter(|_| labelled.is_stopped);
-        self.operations.match_labelling.stopped = stopped.map(|open| StoppedLabelling {
-            document: work.document.clone(),
-            camera: work.camera.clone(),
-            with_found: (*open.document).clone(),
-        });
         self.operations.camera_search.found = labelled.cameras.first().and_then(|found| {
             let camera = &document.frames[found.frames.first()?.index].camera;
             let found = (**found).clone();
