@@ -13,10 +13,10 @@ use crate::autocalibrate::adjustment::refine::SearchedCamera;
 use crate::autocalibrate::court::{CourtAnswer, search_court};
 use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::field_prior::FieldPrior;
-use crate::autocalibrate::frames::by_shot::{frames_of_fields, spread_over_shots};
+use crate::autocalibrate::frames::by_shot::{frames_of_fields, spread_over_shots_and_clicks};
 use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::frames::sampled_frames::{
-    MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames, spread_evenly,
+    MAX_PICTURES_IN_MEMORY, PictureOfFrame, SampledFrame, sample_frames,
 };
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::search::clicked::GroundClick;
@@ -391,11 +391,7 @@ impl<'a> Search<'a> {
         let clicked: BTreeSet<usize> = self.clicks.iter().map(|click| click.frame).collect();
         let clicked: Vec<usize> = clicked.into_iter().collect();
         let document = self.searched.document.document;
-        let chosen: BTreeSet<usize> = spread_over_shots(document, &self.of_camera, max_sampled)
-            .into_iter()
-            .chain(spread_evenly(&clicked, max_sampled))
-            .collect();
-        chosen.into_iter().collect()
+        spread_over_shots_and_clicks(document, &self.of_camera, &clicked, max_sampled)
     }
 
     /// Samples those of some frames that are not sampled yet and whose picture can be read, a chunk

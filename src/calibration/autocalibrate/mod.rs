@@ -88,8 +88,10 @@ pub use camera::{camera_without_clicks, find_camera};
 // For the window alone: no promise to other programs.
 pub use doubt::Doubt;
 pub use error::{Abstention, AutocalibrationError};
-pub(crate) use frames::by_shot::{frames_of_fields, spread_over_shots};
+pub(crate) use frames::by_shot::{frames_of_fields, spread_over_shots_and_clicks};
 pub use frames::sampled_frames::PictureOfFrame;
 pub use progress::{AutocalibrationProgress, SearchedPanorama};
+pub(crate) use search::clicked::GroundClick;
 #[doc(hidden)]
 pub use search::places::is_court;
+pub(crate) use verdict::checks::contradicting_click;

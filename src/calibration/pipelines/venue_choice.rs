@@ -4,7 +4,7 @@ use super::kept_search::SearchEnd;
 use super::match_labels::{Labelling, MatchEvent};
 use super::venue_trial::VenueAnswer;
 use super::venues::{RecognisedCamera, Venue, VenueEvent, VenueRefusal};
-use crate::autocalibrate::{AutocalibrationError, frames_of_fields, spread_over_shots};
+use crate::autocalibrate::{AutocalibrationError, frames_of_fields, spread_over_shots_and_clicks};
 use crate::calibrate::AutocalibratedCamera;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -94,7 +94,8 @@ impl Labelling<'_> {
         let _ = self.progress.report(MatchEvent::Venue(event));
     }
 
-    /// The frames that are tried: a spread over the shots of a camera that show a field.
+    /// The frames that are tried: a spread over the shots of a camera that show a field, and frames
+    /// with clicks, which must not contradict what is found.
     fn frames_to_try(&self, camera: &CameraId) -> Vec<usize> {
         let frames = self.document.frames.iter().enumerate();
         let of_camera: Vec<usize> = frames
@@ -103,7 +104,9 @@ impl Labelling<'_> {
             .collect();
         // Close-ups and transitions would only cost time.
         let of_fields = frames_of_fields(self.document, &of_camera);
-        spread_over_shots(self.document, &of_fields, TRIED)
+        let is_clicked = |index: &&usize| !self.document.frames[**index].clicks.is_empty();
+        let clicked: Vec<usize> = of_fields.iter().filter(is_clicked).copied().collect();
+        spread_over_shots_and_clicks(self.document, &of_fields, &clicked, TRIED)
     }
 
     /// What a search would have said of the frames: those of shots without an answer are another

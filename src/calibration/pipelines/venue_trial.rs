@@ -3,7 +3,7 @@
 use super::forest_labels::{ForestRequest, propose_on_lines};
 use super::match_labels::{Labelling, MatchEvent};
 use super::venues::{BaseChange, VenueCamera, VenueEvent, VenueRefusal, Whereabouts};
-use crate::autocalibrate::MIN_NATS;
+use crate::autocalibrate::{GroundClick, MIN_NATS, contradicting_click};
 use crate::calibrate::{
     AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence, estimate_on_paint,
 };
@@ -191,20 +191,28 @@ impl Labelling<'_> {
         let frames: Vec<AutocalibratedFrame> = aligned
             .filter_map(|(frame, alignment)| Some(found_frame(frame.index, alignment?)))
             .collect();
-        Ok(VenueAnswer {
-            found: AutocalibratedCamera {
-                base,
-                field,
-                sizes: Vec::new(),
-                evidence: AutocalibrationEvidence {
-                    frames: frames.len(),
-                    nats,
-                    ..AutocalibrationEvidence::default()
-                },
-                frames,
-                others: Vec::new(),
-                paint: Vec::new(),
+        let found = AutocalibratedCamera {
+            base,
+            field,
+            sizes: Vec::new(),
+            evidence: AutocalibrationEvidence {
+                frames: frames.len(),
+                nats,
+                ..AutocalibrationEvidence::default()
             },
+            frames,
+            others: Vec::new(),
+            paint: Vec::new(),
+        };
+        // Clicks take no part in a trial, so that they are a check of its own.
+        let of_match = &self.document.frames;
+        let answered_frames: Vec<usize> = found.frames.iter().map(|frame| frame.index).collect();
+        let clicks = GroundClick::from_frames(of_match, &answered_frames, &found.field);
+        if let Some(doubt) = contradicting_click(&found, &clicks, of_match) {
+            return Err(VenueRefusal::Contradicted(doubt));
+        }
+        Ok(VenueAnswer {
+            found,
             field: spec,
             change,
             answered,

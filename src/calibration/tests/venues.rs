@@ -5,6 +5,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Mutex, OnceLock};
+use touchline_calibration::autocalibrate::Doubt;
 use touchline_calibration::pipelines::{
     MatchEvent, MatchLabels, MatchOptions, RecognisedCamera, Venue, VenueError, VenueEvent,
     VenueRefusal, Whereabouts, label_match, make_venue,
@@ -12,10 +13,11 @@ use touchline_calibration::pipelines::{
 use touchline_calibration::proposals::FeatureStore;
 use touchline_core::camera::{CameraBase, Ptz, PtzCamera};
 use touchline_core::geometry::rotation::from_rotation_vector;
-use touchline_core::geometry::{ImageSize, Vec3};
+use touchline_core::geometry::{ImageSize, Vec2, Vec3};
+use touchline_core::markings::project_landmarks;
 use touchline_core::progress::Progress;
 use touchline_core::testing::{soccer, turned_base};
-use touchline_documents::document::{Camera, Document, FramePtz, FrameStatus};
+use touchline_documents::document::{Camera, Click, Document, FramePtz, FrameStatus};
 use touchline_documents::testing::{new_video_frame, soccer_document};
 use touchline_vision::media::{FrameRef, MediaError, Picture, ReadFrames};
 use touchline_vision::synthetic::{FrameOptions, Moment, StadiumOptions, stadium};
@@ -117,8 +119,15 @@ fn venue() -> Venue {
 
 /// The camera that is recognised in a match, or why it is not, and the match. A search is not
 /// waited for.
-fn recognise(mut pictures: Drawn) -> (Result<RecognisedCamera, VenueRefusal>, Document) {
-    let mut document = new_match();
+fn recognise(pictures: Drawn) -> (Result<RecognisedCamera, VenueRefusal>, Document) {
+    recognise_in(new_match(), pictures)
+}
+
+/// The same in the document of a match.
+fn recognise_in(
+    mut document: Document,
+    mut pictures: Drawn,
+) -> (Result<RecognisedCamera, VenueRefusal>, Document) {
     let options = MatchOptions {
         find_shots: false,
         label_the_rest: false,
@@ -216,6 +225,29 @@ fn a_camera_that_stands_where_it_stood_keeps_its_base() {
             assert!(off_deg < 0.05, "frame {index}: {off_deg}°");
         }
     }
+}
+
+#[test]
+fn a_click_elsewhere_refuses_a_camera_that_fits() {
+    let (field, shown) = (soccer(), views(3.0).nth(4).unwrap());
+    let camera = PtzCamera::new(base(), shown);
+    let landmarks = project_landmarks(&field, &camera, SIZE, 0.0);
+    let landmark = landmarks
+        .iter()
+        .find(|seen| field.landmarks[seen.landmark].is_on_ground())
+        .unwrap();
+    let mut document = new_match();
+    let at = landmark.image.translate(Vec2::new(0.0, 40.0));
+    let id = field.landmarks[landmark.landmark].id.clone();
+    document.frames[4].clicks = vec![Click::landmark(id, at)];
+    let (refused, _) = recognise_in(document, draw(1, &base(), 3.0));
+    assert!(
+        matches!(
+            refused,
+            Err(VenueRefusal::Contradicted(Doubt::ClickContradicts { .. }))
+        ),
+        "{refused:?}"
+    );
 }
 
 #[test]

@@ -20,6 +20,22 @@ pub fn frames_of_fields(document: &Document, frames: &[usize]) -> Vec<usize> {
     if fields.is_empty() { clear } else { fields }
 }
 
+/// `count` of some frames at most, spread over the shots, and `count` at most of those with a
+/// click. Ascending.
+pub fn spread_over_shots_and_clicks(
+    document: &Document,
+    frames: &[usize],
+    clicked: &[usize],
+    count: usize,
+) -> Vec<usize> {
+    let spread = spread_over_shots(document, frames, count);
+    let chosen: BTreeSet<usize> = spread
+        .into_iter()
+        .chain(spread_evenly(clicked, count))
+        .collect();
+    chosen.into_iter().collect()
+}
+
 /// `count` of some frames at most: an even spread, in which every other frame gives way to the
 /// middle of a shot without one, where there are such shots. A short shot is thus not left out.
 pub fn spread_over_shots(document: &Document, frames: &[usize], count: usize) -> Vec<usize> {

@@ -1,7 +1,7 @@
 //! What is reported while venues are tried.
 
 use super::change::BaseChange;
-use crate::autocalibrate::MIN_NATS;
+use crate::autocalibrate::{Doubt, MIN_NATS};
 use thiserror::Error;
 use touchline_core::geometry::ImageSize;
 use touchline_documents::document::CameraId;
@@ -92,6 +92,9 @@ pub enum VenueRefusal {
         /// The share that is contradicted.
         contradicted: f64,
     },
+    /// A click of the match lies elsewhere.
+    #[error("{0}")]
+    Contradicted(Doubt),
     /// The frames are those of a camera that stands elsewhere.
     #[error("another camera: {0}")]
     Elsewhere(BaseChange),
