@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_doubted_frame_and_one_on_a_known_base_keep_what_is_stated() {
-        assert_eq!(sigma(1.0, Some(0.05)), sigma(1.0, None));
+        assert_eq!(sigma(1.0, Some(0.001)), sigma(1.0, None));
         assert_eq!(sigma(0.0, Some(0.9)), sigma(0.0, None));
         assert!(sigma(0.0, None).px < 4.0);
     }
