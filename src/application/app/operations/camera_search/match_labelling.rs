@@ -356,20 +356,13 @@ fn describe_labelled(document: &Document, labelled: &LabelledMatch) -> String {
 mod tests {
     use super::*;
     use crate::app::{Action, ViewAction};
-    use touchline_core::geometry::ImageSize;
     use touchline_core::testing::base_at;
-    use touchline_documents::testing::{WithFrames, new_video_frame, ptz_at, soccer_document};
-
-    const SIZE: ImageSize = ImageSize::new(64, 36);
+    use touchline_documents::testing::{SMALL, WithFrames, a_match, new_video_frame, ptz_at};
 
     /// An application with twelve frames of a video, of which nothing is known.
     fn app() -> App {
-        let mut document = soccer_document();
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
-        let frames = (0..12).map(|index| new_video_frame("match.mp4", index, SIZE));
-        App::with_document(document.with_frames(frames))
+        let frames = (0..12).map(|index| new_video_frame("match.mp4", index, SMALL));
+        App::with_document(a_match(SMALL).with_frames(frames))
     }
 
     /// The work of the command.
@@ -413,7 +406,7 @@ mod tests {
             is_stopped: true,
         };
         let labels = MatchLabels::Labelled(labelled);
-        document.cameras[0].set_base(&base_at([1.0, -62.0, 17.0], SIZE));
+        document.cameras[0].set_base(&base_at([1.0, -62.0, 17.0], SMALL));
         app.operations.match_labelling.slot.cancel();
         work.take_over(&mut app, Ok(LabelledDocument { document, labels }));
         let found = (*app.open().unwrap().document).clone();

@@ -123,18 +123,10 @@ impl App {
 mod tests {
     use super::*;
     use crate::app::{Action, DiskReport, EditAction, ViewAction};
-    use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::Camera;
-    use touchline_documents::testing::{WithFrames, new_frame, soccer_document};
-
-    const SIZE: ImageSize = ImageSize::new(64, 36);
+    use touchline_documents::testing::document;
 
     fn app() -> App {
-        let mut document = soccer_document();
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
-        App::with_document(document.with_frames([new_frame("1.png", SIZE)]))
+        App::with_document(document(&["1.png"]))
     }
 
     /// The file that an action writes: its name, its text, and whether it replaces one.
