@@ -8,8 +8,8 @@
 )]
 
 use crate::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, ShotContent, ShotKind, Solution,
-    SolutionSource, VideoFrame, VideoShots, document_from_bytes, document_to_string,
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, ShotContent, ShotKind,
+    Solution, SolutionSource, VideoFrame, VideoShots, document_from_bytes, document_to_string,
 };
 use std::fs;
 use std::path::Path;

@@ -8,7 +8,6 @@
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
 use crate::app::operations::UnderWay;
 use crate::app::operations::clip_tracking::{REFINED, describe_progress, share_of};
-use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -235,10 +234,8 @@ impl App {
     pub(in crate::app) fn stop_refining_base(&mut self) -> bool {
         let is_stopped = self.operations.base_refinement.slot.cancel();
         if is_stopped {
-            self.session.notify(
-                Level::Info,
-                "Refining the base was stopped; nothing was changed.",
-            );
+            self.session
+                .note("Refining the base was stopped; nothing was changed.");
         }
         is_stopped
     }
@@ -265,7 +262,7 @@ impl App {
         if !since.has_base_and_field(camera) || field != field_before {
             let text = "The base or the field changed in the meantime; the refined base was \
                         discarded.";
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
             return;
         }
         let RefinedBase {
@@ -280,10 +277,8 @@ impl App {
         .has_base_and_field(camera);
         let base = found.camera(camera).and_then(Camera::base);
         let Some(base) = base.filter(|_| is_refined) else {
-            self.session.notify(
-                Level::Info,
-                "The base already lies on the painted lines of this shot.",
-            );
+            self.session
+                .note("The base already lies on the painted lines of this shot.");
             return;
         };
         // Only the base and the camera's field, which may be the document's, are copied; everything
@@ -309,7 +304,7 @@ impl App {
         });
         // A change that was refused has reported that.
         if is_changed {
-            self.session.notify(Level::Info, describe_refined(off_px));
+            self.session.note(describe_refined(off_px));
         }
     }
 }

@@ -147,10 +147,8 @@ impl App {
             return;
         };
         slot.cancel();
-        self.session.notify(
-            Level::Info,
-            format!("{name}: stopped, nothing was changed."),
-        );
+        self.session
+            .note(format!("{name}: stopped, nothing was changed."));
     }
 
     /// Joins a computed change with the document as it is now, as one step of undo. If the document

@@ -139,7 +139,7 @@ impl App {
             Command::MendCameras => self.mend_cameras(),
             Command::StopMending if self.operations.mending.slot.cancel() => {
                 let text = "Mending was stopped; nothing was changed.";
-                self.session.notify(Level::Info, text);
+                self.session.note(text);
             }
             _ => {}
         }

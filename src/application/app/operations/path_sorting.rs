@@ -135,7 +135,7 @@ impl App {
             let more = pluralise(sorted.left_out, "more path");
             let text =
                 format!("{more} left out: give the folder of pictures and one set of labels.");
-            self.session.notify(Level::Warning, text);
+            self.session.warn(text);
         }
         if sorted.labels.is_some() {
             self.waiting_labels = sorted.labels;
@@ -156,7 +156,7 @@ impl App {
             return;
         };
         match self.why_not(Command::Import) {
-            Some(why) => self.session.notify(Level::Warning, why),
+            Some(why) => self.session.warn(why),
             None => self.look_at_labels(labels),
         }
     }

@@ -38,15 +38,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.checkbox(&mut replace, "replace a dataset that is there")
             .on_hover_text(tip);
         if replace != transfer.replace {
-            panel
-                .actions
-                .push(Action::Transfer(TransferAction::Replace(replace)));
+            panel.act(Action::Transfer(TransferAction::Replace(replace)));
         }
     });
     if options != transfer.dataset {
-        panel
-            .actions
-            .push(Action::Transfer(TransferAction::Dataset(Box::new(options))));
+        panel.act(Action::Transfer(TransferAction::Dataset(Box::new(options))));
     }
     ui.separator();
     let Some(found) = &transfer.found else { return };

@@ -31,9 +31,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
     let last = panel.app.settings.formats.clone();
     ui.horizontal_top(|ui| {
         if let Some(format) = list(ui, chosen, &last, Format::exports) {
-            panel
-                .actions
-                .push(Action::Transfer(TransferAction::Format(format)));
+            panel.act(Action::Transfer(TransferAction::Format(format)));
         }
         ui.separator();
         ui.vertical(|ui| {
@@ -44,9 +42,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
             frames(ui, &mut options.frames, &cameras_of(panel.app));
             export_options(ui, chosen, &mut options);
             if options != *before {
-                panel
-                    .actions
-                    .push(Action::Transfer(TransferAction::Export(Box::new(options))));
+                panel.act(Action::Transfer(TransferAction::Export(Box::new(options))));
             }
             ui.separator();
             ScrollArea::vertical()
@@ -62,9 +58,7 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.operations.transfer.import_format;
     ui.horizontal_top(|ui| {
         if let Some(format) = list(ui, chosen, &[], Format::imports) {
-            panel
-                .actions
-                .push(Action::Transfer(TransferAction::ImportFormat(format)));
+            panel.act(Action::Transfer(TransferAction::ImportFormat(format)));
         }
         ui.separator();
         ui.vertical(|ui| {
@@ -74,9 +68,7 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
             let mut options = before.clone();
             import_options(ui, chosen, &mut options);
             if options != *before {
-                panel
-                    .actions
-                    .push(Action::Transfer(TransferAction::Import(Box::new(options))));
+                panel.act(Action::Transfer(TransferAction::Import(Box::new(options))));
             }
             ui.separator();
             show_import_preview(panel, ui);

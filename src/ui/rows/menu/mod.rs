@@ -224,7 +224,7 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
                     Button::new(document_name(&document.file)),
                     document.file.display().to_string(),
                 ) {
-                    panel.actions.push(Action::Open(document.file.clone()));
+                    panel.act(Action::Open(document.file.clone()));
                     ui.close();
                 }
             }

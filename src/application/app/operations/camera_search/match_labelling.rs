@@ -123,7 +123,7 @@ impl Operation for MatchLabelling {
             Err(Failure::Failed(LabelMatchError::Search(AutocalibrationError::Stopped))) => {
                 let text = "Stopped before a camera was found; nothing was changed. The same \
                             command goes on from here.";
-                app.session.notify(Level::Info, text);
+                app.session.note(text);
             }
             Err(failure) => {
                 let text = format!("The cameras were not found: {failure}.");
@@ -149,7 +149,7 @@ impl MatchLabelling {
             NoCamera::Abstained { why, clicks } => AutocalibrationAnswer::Abstained { why, clicks },
             NoCamera::Before { message, .. } => {
                 let why = format!("No camera was found: {message}.");
-                app.session.notify(Level::Warning, why.clone());
+                app.session.warn(why.clone());
                 app.operations.camera_search.left = SearchFollowUp::Abstained {
                     camera: self.camera.clone(),
                     why,

@@ -136,7 +136,7 @@ impl Operation for CameraSearch {
                     app.label(&Target::Landmark(landmark.clone()))
                 });
                 let why = describe_abstention(&why, &help);
-                app.session.notify(Level::Warning, why.clone());
+                app.session.warn(why.clone());
                 app.operations.camera_search.left = SearchFollowUp::Abstained {
                     camera: self.camera.clone(),
                     why,
@@ -263,10 +263,8 @@ impl App {
     fn stop_find_camera(&mut self) {
         self.operations.camera_search.left = SearchFollowUp::Nothing;
         if self.operations.camera_search.slot.cancel() {
-            self.session.notify(
-                Level::Info,
-                "The search for the camera was stopped; nothing was changed.",
-            );
+            self.session
+                .note("The search for the camera was stopped; nothing was changed.");
         }
     }
 
@@ -284,7 +282,7 @@ impl App {
             .is_some();
         if has_base {
             let text = "The camera was found, but it was given a base in the meantime; the result was discarded.";
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
             return;
         }
         self.use_found_camera(found);

@@ -80,7 +80,7 @@ impl App {
             Command::StopTracking if self.stop_refining_base() => {}
             Command::StopTracking if self.operations.clip_tracking.slot.cancel() => {
                 self.session
-                    .notify(Level::Info, "Tracking was stopped; nothing was changed.");
+                    .note("Tracking was stopped; nothing was changed.");
             }
             Command::DiscardTracked => self.discard_tracked(),
             Command::TakeLength => self.take_measured_length(),
@@ -205,7 +205,7 @@ impl App {
     fn report_length(&mut self, found: LengthOnLines) {
         let text = describe_length(&found);
         if found.is_prescribed {
-            self.session.notify(Level::Warning, text);
+            self.session.warn(text);
             return;
         }
         let then = self.open.as_ref().map(|open| (*open.document).clone());

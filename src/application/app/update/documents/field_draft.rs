@@ -5,7 +5,7 @@ use crate::app::App;
 use crate::app::action::FieldChange;
 use crate::app::effect::{Effect, TemplateOrder};
 use crate::app::window_state::field_draft::FieldDraft;
-use crate::app::window_state::session::{Dialog, Level};
+use crate::app::window_state::session::Dialog;
 use std::path::Path;
 use touchline_core::field::Template;
 use touchline_core::geometry::pluralise;
@@ -66,7 +66,7 @@ impl App {
                         pluralise(added, "landmark")
                     ),
                 };
-                self.session.notify(Level::Info, text);
+                self.session.note(text);
             }
         }
     }
@@ -75,7 +75,7 @@ impl App {
     pub(in crate::app::update) fn save_field_template(&mut self) {
         if self.is_read_only() {
             let text = "The document is read-only.";
-            return self.session.notify(Level::Warning, text);
+            return self.session.warn(text);
         }
         let (Some(open), Some(draft)) = (&self.open, &self.session.field_draft) else {
             return;
@@ -115,7 +115,7 @@ impl App {
         } else {
             format!("{title} is kept in {name} beside the project.")
         };
-        self.session.notify(Level::Info, text);
+        self.session.note(text);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::app::panel_values::progress::just_accepted;
 use crate::app::window_state::choices::Scope;
-use crate::app::window_state::session::{Level, Mode};
+use crate::app::window_state::session::Mode;
 use crate::app::{App, Command};
 use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 
@@ -58,7 +58,7 @@ impl App {
         });
         match next {
             Some(frame) => self.go_to(frame),
-            None => self.session.notify(Level::Info, none),
+            None => self.session.note(none),
         }
     }
 
@@ -94,7 +94,7 @@ impl App {
     /// unless `stay`. Asks first if the frame looks wrong.
     pub(in crate::app::update) fn accept(&mut self, stay: bool) {
         if let Some(reason) = self.unacceptable() {
-            self.session.notify(Level::Info, reason);
+            self.session.note(reason);
             self.session.points.selected = self
                 .frame()
                 .and_then(Frame::unnamed_click)
@@ -130,7 +130,7 @@ impl App {
             if let Some(open) = &mut self.open {
                 let counts = open.derived.counts(&open.document);
                 let text = just_accepted(counts, used_for_training);
-                self.session.notify(Level::Info, text);
+                self.session.note(text);
             }
             match listed.filter(|_| !stay) {
                 Some(frame) => self.go_to(frame),
@@ -154,10 +154,8 @@ impl App {
             return;
         }
         if whole_shot && frame.clip.is_none() {
-            self.session.notify(
-                Level::Info,
-                "This frame is not in a shot. X marks it alone.",
-            );
+            self.session
+                .note("This frame is not in a shot. X marks it alone.");
             return;
         }
         self.session.mode = Mode::Rejecting { whole_shot };

@@ -1,7 +1,7 @@
 //! Acceptance and rejection of frames that were chosen by their pictures, in the gallery.
 
 use crate::app::App;
-use crate::app::window_state::session::{Dialog, Level};
+use crate::app::window_state::session::Dialog;
 use std::collections::BTreeSet;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Frame, FrameStatus, RejectReason, Step};
@@ -44,7 +44,7 @@ impl App {
             .partition(|place| open.frame(*place).is_some_and(is_acceptable));
         if frames.is_empty() {
             let none = "None of the selected frames is a suggestion that can be accepted.";
-            self.session.notify(Level::Info, none);
+            self.session.note(none);
         } else if self.accept_together(&frames, "suggestion", false) && stay.is_empty() {
             return;
         }
