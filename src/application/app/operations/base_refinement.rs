@@ -6,15 +6,13 @@
 //! with them as usual; the points that were followed for the refinement are reused.
 
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
-use crate::app::operations::UnderWay;
-use crate::app::operations::clip_tracking::{REFINED, describe_progress, share_of};
+use crate::app::operations::clip_tracking::{REFINED, step_of};
+use crate::app::operations::{OperationStep, UnderWay};
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
-use touchline_calibration::calibrate::{
-    BulkChange, ClipEvidence, ClipFrames, ClipProgress, clip_of_frame,
-};
+use touchline_calibration::calibrate::{BulkChange, ClipEvidence, ClipFrames, clip_of_frame};
 use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
@@ -40,14 +38,6 @@ pub struct RefinedBase {
     off_px: Option<(f64, f64)>,
     /// Points tracked through the pictures of the clip, and the paint found in them.
     evidence: ClipEvidence,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RefinementProgress {
-    /// The clip is being tracked.
-    Tracking(ClipProgress),
-    /// The base is being adjusted to the painted lines.
-    Adjusting,
 }
 
 /// Why no base was refined.
@@ -113,7 +103,7 @@ impl RoundsOutcome {
 }
 
 impl Operation for BaseRefinement {
-    type Progress = RefinementProgress;
+    type Progress = OperationStep;
     type Output = RefinedBase;
     type Error = BaseRefinementError;
 
@@ -121,7 +111,7 @@ impl Operation for BaseRefinement {
 
     fn run(
         &self,
-        context: &Context<'_, RefinementProgress>,
+        context: &Context<'_, OperationStep>,
     ) -> Result<RefinedBase, BaseRefinementError> {
         let mut reader = context.open_reader();
         let clip = self.clip().ok_or(BaseRefinementError::NoPicture)?;
@@ -133,10 +123,11 @@ impl Operation for BaseRefinement {
         let (mut evidence, outcome) = (Vec::new(), Mutex::new(RoundsOutcome::default()));
         // Two kinds of events are progress; the others describe the outcome.
         let progress = Progress::new(|event| match event {
-            TrackingEvent::Progress(progress) => {
-                context.report(RefinementProgress::Tracking(progress))
+            TrackingEvent::Progress(progress) => context.report(step_of(&progress)),
+            TrackingEvent::Refining(_) => {
+                let step = "Adjusting the base to the painted lines of all frames";
+                context.report(OperationStep::new(step, None))
             }
-            TrackingEvent::Refining(_) => context.report(RefinementProgress::Adjusting),
             other => {
                 outcome
                     .lock()
@@ -324,18 +315,9 @@ impl BaseRefinementState {
 
     /// The running refinement with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let (step, share) = match self.slot.running()?.progress() {
-            None => ("Opening the pictures".to_owned(), None),
-            Some(RefinementProgress::Adjusting) => {
-                let step = "Adjusting the base to the painted lines of all frames";
-                (step.to_owned(), None)
-            }
-            Some(RefinementProgress::Tracking(progress)) => {
-                (describe_progress(progress), share_of(progress))
-            }
-        };
         let job = "Refining the base on this shot";
-        Some(UnderWay::new(job, step, Command::StopTracking).with_share(share))
+        let running = self.slot.running()?;
+        Some(UnderWay::from_running(running, job, Command::StopTracking))
     }
 }
 

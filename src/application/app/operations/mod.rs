@@ -43,6 +43,7 @@ pub use shot_search::{FoundShots, ShotSearch};
 use super::effect::Effect;
 #[cfg(test)]
 use super::operation::probe::ProbeState;
+use super::operation::{Operation, Running};
 use super::{App, Command, Question};
 use base_estimate::BaseEstimateState;
 use base_refinement::BaseRefinementState;
@@ -124,6 +125,27 @@ pub struct UnderWay {
     pub panorama: Option<Arc<SearchedPanorama>>,
 }
 
+/// What an operation does at present.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OperationStep {
+    /// In one sentence.
+    step: String,
+    /// The share of the step that is done, 0 to 1; none if it is unknown.
+    share: Option<f32>,
+    /// The panorama of the camera that is being searched; none while its frames are not matched.
+    panorama: Option<Arc<SearchedPanorama>>,
+}
+
+impl OperationStep {
+    fn new(step: impl Into<String>, share: Option<f32>) -> Self {
+        Self {
+            step: step.into(),
+            share,
+            panorama: None,
+        }
+    }
+}
+
 impl UnderWay {
     pub(super) fn new(job: impl Into<String>, step: impl Into<String>, stop: Command) -> Self {
         Self {
@@ -137,6 +159,20 @@ impl UnderWay {
 
     pub(super) fn with_share(self, share: Option<f32>) -> Self {
         Self { share, ..self }
+    }
+
+    /// Work on pictures at its present step, before the first of which they are opened.
+    fn from_running<O>(running: &Running<O>, job: &str, stop: Command) -> Self
+    where
+        O: Operation<Progress = OperationStep>,
+    {
+        let Some(at) = running.progress() else {
+            return Self::new(job, "Opening the pictures", stop);
+        };
+        Self {
+            panorama: at.panorama.clone(),
+            ..Self::new(job, &at.step, stop).with_share(at.share)
+        }
     }
 }
 

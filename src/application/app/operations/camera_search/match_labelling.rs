@@ -3,10 +3,10 @@
 //! The result is one step of undo. *Stop* keeps what is found, and the same command goes on from
 //! there, because finished parts of the work are kept beside the document.
 
-use super::search_step::{SearchStep, SearchSteps};
+use super::search_step::SearchSteps;
 use super::{CameraSearch, SearchFollowUp, why_no_search_of_sport};
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
-use crate::app::operations::UnderWay;
+use crate::app::operations::{OperationStep, UnderWay};
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::ops::ControlFlow;
@@ -73,13 +73,16 @@ struct StoppedLabelling {
 // ---- The work ----
 
 impl Operation for MatchLabelling {
-    type Progress = SearchStep;
+    type Progress = OperationStep;
     type Output = LabelledDocument;
     type Error = LabelMatchError;
 
     const NAME: &'static str = "label a match";
 
-    fn run(&self, context: &Context<'_, SearchStep>) -> Result<LabelledDocument, LabelMatchError> {
+    fn run(
+        &self,
+        context: &Context<'_, OperationStep>,
+    ) -> Result<LabelledDocument, LabelMatchError> {
         let mut reader = context.open_reader();
         let mut document = self.document.clone();
         let options = MatchOptions {
@@ -323,7 +326,7 @@ impl MatchLabellingState {
     pub(in crate::app::operations) fn under_way(&self) -> Option<UnderWay> {
         let running = self.slot.running()?;
         let job = "Finding the cameras of the video";
-        let mut card = SearchStep::under_way(running.progress(), job, Command::StopFindCameras);
+        let mut card = UnderWay::from_running(running, job, Command::StopFindCameras);
         if running.operation().ends_early.load(Ordering::Relaxed) {
             "Ending".clone_into(&mut card.step);
         }

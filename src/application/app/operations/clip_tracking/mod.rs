@@ -10,7 +10,7 @@ mod suggestions;
 mod tracking;
 
 pub use tracking::ClipTracking;
-pub(super) use tracking::{describe_progress, share_of};
+pub(super) use tracking::step_of;
 
 use crate::app::operation::{AsItWas, Slot};
 use crate::app::operations::UnderWay;
@@ -59,12 +59,9 @@ impl ClipTrackingState {
 
     /// The running tracking with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let progress = self.slot.running()?.progress();
-        let step = progress.map_or_else(|| "Opening the pictures".to_owned(), describe_progress);
         let job = "Tracking cameras through the shot";
-        Some(
-            UnderWay::new(job, step, Command::StopTracking).with_share(progress.and_then(share_of)),
-        )
+        let running = self.slot.running()?;
+        Some(UnderWay::from_running(running, job, Command::StopTracking))
     }
 }
 
