@@ -95,7 +95,7 @@ impl ShotRow {
 }
 
 /// The order of a list of shots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::IntoStaticStr, strum::EnumIter)]
 pub enum ShotOrder {
     /// As in the video.
     #[default]
@@ -107,16 +107,9 @@ pub enum ShotOrder {
 }
 
 impl ShotOrder {
-    /// All orders, as the panel lists them.
-    pub const ALL: [Self; 3] = [Self::Time, Self::Doubt, Self::Camera];
-
     /// Its name in the panel.
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Time => "Time",
-            Self::Doubt => "Doubt",
-            Self::Camera => "Camera",
-        }
+    pub fn label(self) -> &'static str {
+        self.into()
     }
 }
 

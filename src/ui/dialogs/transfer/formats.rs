@@ -8,6 +8,7 @@ use crate::ui::Panel;
 use crate::ui::controls::theme;
 use crate::ui::controls::theme::{Themed as _, section};
 use egui::{Align, Button, Id, Layout, RichText, ScrollArea, TextEdit, TextStyle, Ui, vec2};
+use strum::IntoEnumIterator as _;
 use touchline_application::app::transfer::{
     FormatGroup, PreviewResult, TransferAction, describe_survey, formats_in, group_and_name,
     in_dialog,
@@ -111,7 +112,7 @@ fn list(ui: &mut Ui, chosen: Format, last: &[String], goes: fn(Format) -> bool) 
                     .take(LAST_USED)
                     .collect();
                 group(ui, "Last used", &last);
-                for of in FormatGroup::ALL {
+                for of in FormatGroup::iter() {
                     let formats = formats_in(of, &typed, goes);
                     group(ui, of.title(), &formats);
                 }
