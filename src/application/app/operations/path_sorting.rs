@@ -38,12 +38,6 @@ pub struct SortedPaths {
     unclear: Option<PathBuf>,
 }
 
-/// The sorting under way.
-#[derive(Debug, Default)]
-pub(in crate::app) struct PathSortingState {
-    slot: Slot<PathSorting>,
-}
-
 impl Operation for PathSorting {
     type Progress = Infallible;
     type Output = SortedPaths;
@@ -56,7 +50,7 @@ impl Operation for PathSorting {
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
-        &mut app.operations.path_sorting.slot
+        &mut app.operations.path_sorting
     }
 
     fn take_over(&self, app: &mut App, result: Result<SortedPaths, Failure<Infallible>>) {

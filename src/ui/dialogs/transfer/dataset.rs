@@ -176,7 +176,7 @@ fn show_plan(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
                 }
             }
             for (origin, count) in plan.origins() {
-                ui.label(RichText::new(origin.as_str().replace('_', " ")).color(palette.weak));
+                ui.label(RichText::new(origin.to_string().replace('_', " ")).color(palette.weak));
                 ui.label(count.to_string());
                 ui.end_row();
             }
