@@ -1,6 +1,7 @@
 //! `touchline export --dataset`: writes a folder with frames, labels, pictures and a dataset card.
 
 use super::Outcome;
+use super::export::named;
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::Messages;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
@@ -24,8 +25,8 @@ pub struct DatasetArgs {
     dataset: Option<PathBuf>,
     /// Where its pictures come from: copies of the image files, hard links to them, frames decoded
     /// from the video, or none.
-    #[arg(long, default_value = "copy", value_parser = name_parser(&Pictures::ALL.map(Pictures::name)), requires = "dataset")]
-    images: String,
+    #[arg(long, default_value = "copy", value_parser = named::<Pictures>(), requires = "dataset")]
+    images: Pictures,
     /// How decoded pictures are written.
     #[arg(long, default_value = "png", value_parser = picture_format(), requires = "dataset")]
     image_format: String,
@@ -37,21 +38,14 @@ pub struct DatasetArgs {
     #[arg(long, value_name = "SHARES", value_parser = parse_shares, requires = "dataset")]
     split: Option<[u32; 3]>,
     /// What a split never divides.
-    #[arg(long, default_value = "clip", value_parser = name_parser(&SplitBy::ALL.map(SplitBy::name)), requires = "split")]
-    split_by: String,
+    #[arg(long, default_value = "clip", value_parser = named::<SplitBy>(), requires = "split")]
+    split_by: SplitBy,
     /// Another seed gives another split.
     #[arg(long, default_value_t = 0, requires = "split")]
     seed: u64,
     /// The licence of labels and pictures, for the card.
     #[arg(long, value_name = "TEXT", requires = "dataset")]
     licence: Option<String>,
-}
-
-/// A parser for one of some names.
-fn name_parser(
-    names: &[&'static str],
-) -> impl clap::builder::TypedValueParser<Value = String> + use<> {
-    PossibleValuesParser::new(names.to_vec()).map(|name| name)
 }
 
 /// A parser for `png` and `jpeg`, which may be written `jpg`.
@@ -82,18 +76,9 @@ impl DatasetArgs {
         if frames.statuses.is_empty() {
             frames.statuses.push(FrameStatus::Reference);
         }
-        // Here and for the pictures the parser has accepted known names only: the default is never
-        // taken.
-        let by = SplitBy::ALL
-            .into_iter()
-            .find(|by| by.name() == self.split_by)
-            .unwrap_or_default();
         DatasetOptions {
             frames,
-            pictures: Pictures::ALL
-                .into_iter()
-                .find(|images| images.name() == self.images)
-                .unwrap_or_default(),
+            pictures: self.images,
             picture_format: if self.image_format.starts_with("jp") {
                 PictureFormat::Jpeg
             } else {
@@ -103,7 +88,7 @@ impl DatasetArgs {
             outside: self.outside_pictures,
             splitting: self.split.map(|shares| Splitting {
                 shares,
-                by,
+                by: self.split_by,
                 seed: self.seed,
             }),
             licence: self.licence.clone(),

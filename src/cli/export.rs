@@ -9,6 +9,8 @@ use crate::cli::terminal::output::{ending, print, refuse_existing};
 use anyhow::{Context as _, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;
+use std::str::FromStr;
+use strum::VariantArray;
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, Vec3, pluralise};
 use touchline_documents::document::{FrameStatus, Stage};
@@ -58,8 +60,8 @@ pub struct ExportArgs {
     #[arg(long)]
     undistorted: bool,
     /// The names of keypoints; without it touchline's.
-    #[arg(long, value_parser = ["touchline", "roboflow-32"])]
-    names: Option<String>,
+    #[arg(long, value_parser = named::<KeypointNames>())]
+    names: Option<KeypointNames>,
     /// Keypoints where the camera shows the landmarks, not where people clicked.
     #[arg(long)]
     projected: bool,
@@ -105,8 +107,8 @@ pub struct ExportArgs {
     stage_heading: Option<f64>,
     /// Of which frames fifa gets rotation and translation: of all without it; with `first` it is
     /// what the tasks hand out.
-    #[arg(long, value_parser = ["all", "first"])]
-    rotations: Option<String>,
+    #[arg(long, value_parser = named::<Rotations>())]
+    rotations: Option<Rotations>,
     /// How FreeD's zoom value says the focal length: focal-px (without it), focal-mm-x100, or a
     /// file of two columns, raw value and focal length in px.
     #[arg(long)]
@@ -223,12 +225,20 @@ fn describe_format(format: Format, direction: Direction) -> String {
     format!("{}{}{taken}", about.title, lost.unwrap_or_default())
 }
 
+/// A parser for a value by its name; the help lists the names.
+pub(super) fn named<T>() -> impl clap::builder::TypedValueParser<Value = T>
+where
+    T: VariantArray + FromStr<Err = strum::ParseError> + Clone + Send + Sync,
+    &'static str: From<&'static T>,
+{
+    let names = T::VARIANTS.iter().map(<&str>::from);
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
+}
+
 /// Parses a status by its name in documents.
 fn parse_status(text: &str) -> Result<FrameStatus, String> {
-    let found = FrameStatus::ALL
-        .into_iter()
-        .find(|status| status.as_str() == text);
-    found.ok_or_else(|| format!("{text} is none of new, draft, suggested, reference, rejected"))
+    let none = |_| format!("{text} is none of new, draft, suggested, reference, rejected");
+    text.parse().map_err(none)
 }
 
 /// Parses a size such as `1920x1080`.
@@ -377,11 +387,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         size: args.size,
         game_state: args.variant.as_deref() == Some("gamestate"),
         undistorted: args.undistorted,
-        names: if args.names.as_deref() == Some("roboflow-32") {
-            KeypointNames::Roboflow32
-        } else {
-            KeypointNames::Touchline
-        },
+        names: args.names.unwrap_or_default(),
         keep_outside: args.outside.as_deref() == Some("keep"),
         points: if args.projected {
             PointSource::Projected
@@ -391,11 +397,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         rate: args.fps,
         sensor_width_mm: args.sensor_mm,
         zoom: zoom_of(args.zoom.as_deref().unwrap_or("focal-px"))?,
-        rotations: if args.rotations.as_deref() == Some("first") {
-            Rotations::First
-        } else {
-            Rotations::All
-        },
+        rotations: args.rotations.unwrap_or_default(),
         recording: Recording {
             match_id: args.match_id.clone(),
             start: args.start_time.clone(),

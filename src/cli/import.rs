@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::export::{
-    MAX_TABLE_BYTES, format_parser, given_options, parse_size, parse_width, zoom_of,
+    MAX_TABLE_BYTES, format_parser, given_options, named, parse_size, parse_width, zoom_of,
 };
 use super::new::{parameter, parse_stride, read_field};
 use super::relocalize::probability;
@@ -10,7 +10,6 @@ use crate::cli::terminal::attached_labels::{attach_to_video, open_video, read_la
 use crate::cli::terminal::document::DocumentOutput;
 use crate::cli::terminal::messages::{Messages, count_steps};
 use anyhow::{Context as _, ensure};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use touchline_calibration::calibrate::give_own_cameras;
@@ -33,7 +32,7 @@ pub struct ImportArgs {
     #[arg(long, value_name = "PATH", requires = "layout", conflicts_with_all = ["path", "format"])]
     points: Option<PathBuf>,
     /// The layout of the points.
-    #[arg(long, requires = "points", value_parser = layout_parser())]
+    #[arg(long, requires = "points", value_parser = named::<PointLayout>())]
     layout: Option<PointLayout>,
     /// The name of the model; without it that of the layout.
     #[arg(long, value_name = "NAME", requires = "points")]
@@ -100,10 +99,10 @@ pub struct ImportArgs {
     masks: bool,
     /// The plane of homographies that do not say it: metres from the field's centre or from its far
     /// left corner, or the template of a set.
-    #[arg(long, value_parser = template_parser())]
+    #[arg(long, value_parser = named::<GroundPlan>())]
     template: Option<GroundPlan>,
     /// The direction of homographies that do not say it.
-    #[arg(long, value_parser = direction_parser())]
+    #[arg(long, value_parser = named::<MatrixDirection>())]
     direction: Option<MatrixDirection>,
     /// The columns of a table of homographies: h=NAME for the matrix, name=NAME for the frame.
     #[arg(long, value_name = "ROLE=NAME", value_delimiter = ',', value_parser = parse_column)]
@@ -112,37 +111,6 @@ pub struct ImportArgs {
     /// from its lines.
     #[arg(long)]
     each_own_camera: bool,
-}
-
-/// Reads a layout of points by its name; the help lists them.
-fn layout_parser() -> impl TypedValueParser<Value = PointLayout> {
-    let names = PossibleValuesParser::new(PointLayout::ALL.map(PointLayout::name));
-    names.try_map(|name| {
-        let layout = PointLayout::ALL
-            .into_iter()
-            .find(|layout| layout.name() == name);
-        layout.ok_or("not a layout of points")
-    })
-}
-
-/// Reads the plane of homographies by its name; the help lists them.
-fn template_parser() -> impl TypedValueParser<Value = GroundPlan> {
-    let names = PossibleValuesParser::new(GroundPlan::ALL.map(GroundPlan::name));
-    names.try_map(|name| {
-        let plan = GroundPlan::ALL.into_iter().find(|plan| plan.name() == name);
-        plan.ok_or("not a plane of homographies")
-    })
-}
-
-/// Reads the direction of homographies by its name.
-fn direction_parser() -> impl TypedValueParser<Value = MatrixDirection> {
-    let names = PossibleValuesParser::new(MatrixDirection::ALL.map(MatrixDirection::name));
-    names.try_map(|name| {
-        let direction = MatrixDirection::ALL
-            .into_iter()
-            .find(|direction| direction.name() == name);
-        direction.ok_or("not a direction of homographies")
-    })
 }
 
 /// What a column of a table of homographies holds.

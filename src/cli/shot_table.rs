@@ -107,31 +107,12 @@ fn line([name, shots, frames, certain, uncertain, none, remark]: [&str; 7]) -> S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_documents::document::{ShotContent, ShotKind, Solution};
-    use touchline_documents::testing::{cut_video, ptz_at};
-
-    fn document() -> Document {
-        let cuts = [
-            (6, ShotKind::Transition),
-            (9, ShotKind::Fade),
-            (14, ShotKind::Cut),
-        ];
-        let mut document = cut_video("a.mp4", 20, &cuts);
-        document.shots[2].content = Some(ShotContent::NoField);
-        for index in 0..6 {
-            let frame = &mut document.frames[index];
-            frame.ptz = ptz_at(0.0, -9.0, 90.0);
-            frame.solution = Some(Solution {
-                confidence: (index != 3).then_some(if index == 5 { 0.5 } else { 0.99 }),
-                ..Solution::default()
-            });
-        }
-        document
-    }
+    use touchline_documents::testing::{broadcast, ptz_at};
 
     #[test]
     fn frames_are_counted_by_camera_and_kind_of_shot() {
-        let mut document = document();
+        let mut document = broadcast();
+        document.frames[3].solution = None;
         let lines = describe_shots(&document);
         let words: Vec<Vec<&str>> = lines
             .iter()
@@ -154,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_document_of_one_shot_has_no_table() {
-        let mut document = document();
+        let mut document = broadcast();
         document.shots.truncate(1);
         assert_eq!(describe_shots(&document), [""; 0]);
         document.shots.clear();

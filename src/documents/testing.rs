@@ -8,8 +8,8 @@
 )]
 
 use crate::document::{
-    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, ShotKind, Solution,
-    SolutionSource, VideoFrame, VideoShots, document_from_bytes, document_to_string,
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, ShotContent, ShotKind,
+    Solution, SolutionSource, VideoFrame, VideoShots, document_from_bytes, document_to_string,
 };
 use std::fs;
 use std::path::Path;
@@ -99,6 +99,25 @@ pub fn cut_video(path: &str, frames: u64, cuts: &[(u64, ShotKind)]) -> Document 
         document.frames.push(frame.into());
     }
     VideoShots::from_cuts(&document, path, frames - 1, cuts).write(&mut document);
+    document
+}
+
+/// A broadcast of twenty frames: six of a field with certain cameras but for the last one, three of
+/// a dissolve, five of a close-up, six of a field without a camera.
+pub fn broadcast() -> Document {
+    let cuts = [
+        (6, ShotKind::Transition),
+        (9, ShotKind::Fade),
+        (14, ShotKind::Cut),
+    ];
+    let mut document = cut_video("a.mp4", 20, &cuts);
+    document.shots[2].content = Some(ShotContent::NoField);
+    for index in 0..6 {
+        let frame = &mut document.frames[index];
+        frame.ptz = ptz_at(0.0, -9.0, 90.0);
+        let confidence = if index == 5 { 0.5 } else { 0.99 };
+        frame.solution = answered_by(SolutionSource::Forest, Some(confidence));
+    }
     document
 }
 

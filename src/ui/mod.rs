@@ -100,29 +100,34 @@ impl Panel<'_> {
         self.run_on_click(button, command)
     }
 
+    /// Has the application do something.
+    fn act(&mut self, action: Action) {
+        self.actions.push(action);
+    }
+
     /// Changes the document.
     fn edit(&mut self, action: EditAction) {
-        self.actions.push(Action::Edit(action));
+        self.act(Action::Edit(action));
     }
 
     /// Changes how something is displayed.
     fn view(&mut self, action: ViewAction) {
-        self.actions.push(Action::View(action));
+        self.act(Action::View(action));
     }
 
     /// Changes a setting of the user.
     fn set(&mut self, action: SettingsAction) {
-        self.actions.push(Action::Settings(action));
+        self.act(Action::Settings(action));
     }
 
     /// Carries out a command.
     fn run(&mut self, command: Command) {
-        self.actions.push(Action::Command(command));
+        self.act(Action::Command(command));
     }
 
     /// Shows another frame or click.
     fn navigate(&mut self, action: Navigation) {
-        self.actions.push(Action::Navigate(action));
+        self.act(Action::Navigate(action));
     }
 
     /// Closes the dialog that is open.

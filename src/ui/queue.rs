@@ -57,7 +57,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     response.scroll_to_me(None);
                 }
                 if response.clicked() {
-                    panel.actions.push(Action::OpenMatch(at));
+                    panel.act(Action::OpenMatch(at));
                 }
             }
         });

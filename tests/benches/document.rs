@@ -15,7 +15,7 @@ use touchline::document::{
     Step, document_from_bytes, document_to_string,
 };
 use touchline::geometry::{ImagePoint, ImageSize, Mat3};
-use touchline::store::{Access, DocumentStore as _, Location, open, write_document};
+use touchline::store::{Access, Location, open, write_document};
 
 const FRAMES: usize = 10_000;
 const LANDMARKS: [&str; 6] = [

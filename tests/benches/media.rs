@@ -12,7 +12,7 @@ use std::process::Command;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, OnceLock};
 use tempfile::TempDir;
-use touchline::jobs::{Decoder, DecoderOptions, FrameState};
+use touchline::jobs::{Decoder, FrameState};
 use touchline::media::{
     FrameRef, Picture, PrefetchOptions, StepDirection, THUMBNAIL_SIZE, Video, letterbox,
     load_image, prefetch_plan,
@@ -83,7 +83,7 @@ impl Stepper {
         let frames = Video::open(video()).unwrap().info().decoded_frames;
         let (wake, woken) = channel();
         let wake = Arc::new(move || wake.send(()).unwrap_or_default());
-        let decoder = Decoder::spawn(DecoderOptions::default(), wake).unwrap();
+        let decoder = Decoder::spawn(512 << 20, wake).unwrap();
         let mut stepper = Self {
             decoder,
             woken,

@@ -134,7 +134,7 @@ fn the_choice_is_kept_and_the_trainer_is_told_of_it() {
     let mut bench = Bench::new(blank(1));
     let orders = |bench: &Bench| -> Vec<bool> {
         let orders = bench.effects.iter().filter_map(|effect| match effect {
-            Effect::Trainer(TrainerOrder::Snap(snapping)) => Some(*snapping),
+            Effect::Trainer(TrainerOrder::Wishes(wishes)) => Some(wishes.snapping),
             _ => None,
         });
         orders.collect()
@@ -145,7 +145,8 @@ fn the_choice_is_kept_and_the_trainer_is_told_of_it() {
     );
     let opened = Action::Opened(Box::new(Opened::new(blank(1), "/nowhere/project.json")));
     let told = App::new(Settings::default()).update(opened);
-    assert!(told.contains(&Effect::Trainer(TrainerOrder::Snap(true))));
+    let aligns = |effect: &Effect| matches!(effect, Effect::Trainer(TrainerOrder::Wishes(wishes)) if wishes.snapping);
+    assert!(told.iter().any(aligns));
     bench.command(Command::SnapSuggestions);
     assert!(!bench.app.settings.snap_suggestions && bench.effects.contains(&Effect::SaveSettings));
     bench.command(Command::SnapSuggestions);

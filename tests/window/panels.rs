@@ -196,7 +196,7 @@ fn in_the_smallest_window_verdict_and_reasons_are_in_sight() {
     window.key(Key::X);
     window.harness.run_steps(4);
     let picture = window.harness.get_by_label("Picture").rect();
-    for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
+    for (index, &reason) in RejectReason::ALL.iter().enumerate() {
         let says = format!(
             "{}  {}",
             index + 1,

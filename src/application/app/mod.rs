@@ -58,7 +58,7 @@ pub use project::versioned::Versioned;
 pub use settings::{Settings, WindowPlace};
 pub use trainer::{
     AnswerKey, ForestFacts, TrainerActivity, TrainerOrder, TrainerReport, TrainerState,
-    TrainerStatus, UnusableReference, describe_estimate, describe_left,
+    TrainerStatus, TrainerWishes, UnusableReference, describe_estimate, describe_left,
 };
 pub use update::MAX_SCALE;
 pub use window_state::choices::{CameraChoice, MaskList, MaskScope};

@@ -22,10 +22,21 @@ pub struct TrainerState {
     pub features: Option<UsedFeatures>,
     /// The version of the document that the trainer has.
     pub(super) sent_version: Option<u64>,
-    /// The shown frame that the trainer knows.
-    pub(super) sent_frame: Option<FrameId>,
-    /// Whether the trainer has been ordered to align proposals to the paint.
-    pub(super) sent_snapping: bool,
+    /// What the trainer has been asked for last.
+    pub(super) sent: TrainerWishes,
+}
+
+/// How the trainer works.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TrainerWishes {
+    /// The shown frame; its neighbours are answered first.
+    pub frame: Option<FrameId>,
+    /// Whether to report the features of the shown frame.
+    pub features: bool,
+    /// Whether the trainer rests.
+    pub paused: bool,
+    /// Whether proposals are aligned to the painted lines before they are shown.
+    pub snapping: bool,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -127,14 +138,8 @@ pub enum TrainerOrder {
     Shown(Vec<AnswerKey>),
     /// Answers were discarded: these forests must not answer again.
     Refused(RefusedForests),
-    /// Another frame is shown; its neighbours are answered first.
-    Frame(FrameId),
-    /// Report the features of the shown frame, or stop it.
-    Features(bool),
-    /// Pause, or resume.
-    Pause(bool),
-    /// Align proposals to the painted lines before they are shown, or not.
-    Snap(bool),
+    /// It works in another way.
+    Wishes(TrainerWishes),
 }
 
 impl TrainerActivity {

@@ -1,59 +1,12 @@
 //! Decodes the current frame and its neighbours, and keeps them in memory.
 
-use super::Wake;
-use super::frame_orders::{Choice, WorkReport};
+use super::frame_orders::{Choice, DecoderReport};
 use super::frame_worker::{FrameWorker, MakeReader};
 use super::shared_pictures::{SharedPictures, SharedReader};
+use super::{Wake, thumbnails};
 use std::collections::BTreeMap;
 use std::io;
-use touchline_vision::media::{CountProgress, FrameReader, FrameRef, MediaError, Notice, Picture};
-
-/// Settings of the decoder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DecoderOptions {
-    /// Memory for decoded frames, bytes. 512 MiB by default: 64 frames of 1920 × 1080 px.
-    pub cache_bytes: usize,
-}
-
-impl Default for DecoderOptions {
-    fn default() -> Self {
-        Self {
-            cache_bytes: 512 << 20,
-        }
-    }
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub enum DecoderReport {
-    /// A frame has been decoded; [`Decoder::picture`] also returns it.
-    Ready {
-        frame: FrameRef,
-        /// Its pixels.
-        picture: Picture,
-    },
-    /// The current frame cannot be read. A neighbour that fails is reported only when it becomes
-    /// the current frame.
-    Failed {
-        frame: FrameRef,
-        /// Why.
-        error: MediaError,
-    },
-    /// Decoding a frame panicked; the decoder continues with others.
-    Panicked {
-        frame: FrameRef,
-        /// The panic's message.
-        message: String,
-    },
-    /// The decoder panicked; it decodes no more frames.
-    Broken {
-        /// The panic's message.
-        message: String,
-    },
-    /// A video with irregular frame times is being read once to number its frames.
-    Counting(CountProgress),
-    /// A message about a video for the user; once per video.
-    Notice(Notice),
-}
+use touchline_vision::media::{FrameReader, FrameRef, MediaError, Picture};
 
 /// What can be shown for a frame now.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,8 +25,8 @@ pub enum FrameState {
 pub struct Decoder {
     worker: FrameWorker,
     memory: Memory,
-    /// The last request: the current frame and the others.
-    requested: Option<(FrameRef, Vec<FrameRef>)>,
+    /// The frames of the last request.
+    requested: Vec<FrameRef>,
 }
 
 /// The owner's side of the decoder.
@@ -85,38 +38,37 @@ struct Memory {
 }
 
 impl Decoder {
-    /// Starts the decoder. `wake` is called from its thread when a report waits.
+    /// Starts the decoder with a memory of so many bytes. `wake` is called from its thread when a
+    /// report waits.
     ///
     /// # Errors
     /// The operating system gives no thread.
-    pub fn spawn(options: DecoderOptions, wake: Wake) -> io::Result<Self> {
-        let pictures = SharedPictures::new(options.cache_bytes);
-        let shared = pictures.clone();
-        let make_reader: MakeReader = Box::new(move |counting| {
-            Box::new(SharedReader::new(
-                Box::new(FrameReader::with_progress(counting)),
-                shared.clone(),
-            ))
-        });
-        Self::sharing(pictures, wake, make_reader)
+    pub fn spawn(cache_bytes: usize, wake: Wake) -> io::Result<Self> {
+        let pictures = SharedPictures::new(cache_bytes);
+        let worker = FrameWorker::spawn("decoder", wake, None, make_reader(&pictures))?;
+        Ok(Self::new(worker, pictures))
     }
 
-    /// Starts a decoder with another reader.
-    #[cfg(test)]
-    pub(super) fn with_reader(
-        options: DecoderOptions,
-        wake: Wake,
-        make_reader: MakeReader,
-    ) -> io::Result<Self> {
-        Self::sharing(SharedPictures::new(options.cache_bytes), wake, make_reader)
+    /// Starts a decoder of thumbnails beside this one. It begins no frame while this one has some to
+    /// read, and takes the pictures that this one has.
+    ///
+    /// # Errors
+    /// The operating system gives no thread.
+    pub fn spawn_thumbnails(&self, wake: Wake) -> io::Result<Self> {
+        let make_small = thumbnails::make_small(make_reader(&self.memory.cache));
+        let worker = FrameWorker::spawn("thumbnails", wake, Some(&self.worker), make_small)?;
+        Ok(Self::new(
+            worker,
+            SharedPictures::new(thumbnails::CACHE_BYTES),
+        ))
     }
 
-    fn sharing(pictures: SharedPictures, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
-        Ok(Self {
-            worker: FrameWorker::spawn("decoder", wake, None, make_reader)?,
+    pub(super) const fn new(worker: FrameWorker, pictures: SharedPictures) -> Self {
+        Self {
+            worker,
             memory: Memory::new(pictures),
-            requested: None,
-        })
+            requested: Vec::new(),
+        }
     }
 
     /// Requests the current frame and then, in this order, others. Frames of earlier requests that
@@ -127,16 +79,28 @@ impl Decoder {
     /// A frame that failed is tried again when it becomes the current one: its file may have been
     /// repaired.
     pub fn request(&mut self, current: &FrameRef, prefetch: &[FrameRef]) {
-        if self
-            .requested
-            .as_ref()
-            .is_some_and(|(before, others)| before == current && others == prefetch)
-        {
-            return;
-        }
         let is_new = self.memory.current.as_ref() != Some(current);
         self.memory.current = Some(current.clone());
-        let memory = &mut self.memory;
+        let again = Some(current).filter(|_| is_new);
+        self.replace_request(std::iter::once(current).chain(prefetch), again);
+    }
+
+    /// Requests frames of which none is the current one, such as those of the filmstrip.
+    pub fn request_all(&mut self, frames: &[FrameRef]) {
+        self.replace_request(frames.iter(), None);
+    }
+
+    /// `again`: a frame that is tried again if it failed before.
+    fn replace_request<'a>(
+        &mut self,
+        frames: impl Iterator<Item = &'a FrameRef> + Clone,
+        again: Option<&FrameRef>,
+    ) {
+        if self.requested.iter().eq(frames.clone()) {
+            return;
+        }
+        self.requested = frames.cloned().collect();
+        let (memory, wanted) = (&mut self.memory, self.requested.clone());
         self.worker.replace_queue(|reports| {
             // Reports come first: a frame that has arrived is not missing any more.
             for report in reports {
@@ -144,24 +108,19 @@ impl Decoder {
             }
             // Forget the failure of a frame only when the user comes to it. Otherwise each request
             // would read a damaged neighbour again.
-            if is_new {
-                memory.failures.remove(current);
+            if let Some(again) = again {
+                memory.failures.remove(again);
             }
-            let wanted: Vec<FrameRef> = std::iter::once(current).chain(prefetch).cloned().collect();
-            let missing = wanted
-                .iter()
-                .filter(|frame| memory.lacks(frame))
-                .cloned()
-                .collect();
+            let missing = wanted.iter().filter(|frame| memory.lacks(frame));
+            let missing = missing.cloned().collect();
             Choice { wanted, missing }
         });
-        self.requested = Some((current.clone(), prefetch.to_vec()));
     }
 
     /// Drops all requests, pictures and failures, as when a document is closed.
     pub fn clear(&mut self) {
         self.worker.replace_queue(|_| Choice::default());
-        self.requested = None;
+        self.requested.clear();
         // The cache is emptied, not replaced: filmstrip, trainer and operations share it.
         self.memory.cache.clear();
         self.memory = Memory::new(self.memory.cache.clone());
@@ -203,9 +162,19 @@ impl Decoder {
         self.memory.cache.budget_bytes()
     }
 
-    pub(super) const fn worker(&self) -> &FrameWorker {
-        &self.worker
+    /// Whether a frame cannot be read.
+    pub fn has_failed(&self, frame: &FrameRef) -> bool {
+        self.memory.failures.contains_key(frame)
     }
+}
+
+/// Makes readers that decode no frame which is in memory.
+fn make_reader(pictures: &SharedPictures) -> MakeReader {
+    let pictures = pictures.clone();
+    Box::new(move |counting| {
+        let own = Box::new(FrameReader::with_progress(counting));
+        Box::new(SharedReader::new(own, pictures.clone()))
+    })
 }
 
 impl Memory {
@@ -220,37 +189,27 @@ impl Memory {
 
     /// Takes in a report of the worker: keeps pictures and failures, and queues what the owner
     /// should see.
-    fn take_in(&mut self, report: WorkReport) {
-        let report = match report {
-            WorkReport::Frame(frame, Ok(picture)) => {
-                self.failures.remove(&frame);
+    fn take_in(&mut self, report: DecoderReport) {
+        match &report {
+            DecoderReport::Frame(frame, Ok(picture)) => {
+                self.failures.remove(frame);
                 self.cache.insert(frame.clone(), picture.clone());
                 self.keep_current();
-                DecoderReport::Ready { frame, picture }
             }
-            WorkReport::Frame(frame, Err(error)) => {
+            DecoderReport::Frame(frame, Err(error)) => {
                 self.failures.insert(frame.clone(), error.clone());
-                if self.current.as_ref() != Some(&frame) {
+                if self.current.as_ref() != Some(frame) {
                     return;
                 }
-                DecoderReport::Failed { frame, error }
             }
-            WorkReport::Panicked(frame, message) => {
+            DecoderReport::Panicked(frame, message) => {
                 // Also a failure, so that the frame is not requested, and panics, once more.
-                let path = frame.path().to_path_buf();
-                self.failures.insert(
-                    frame.clone(),
-                    MediaError::Panicked {
-                        path,
-                        message: message.clone(),
-                    },
-                );
-                DecoderReport::Panicked { frame, message }
+                let (path, message) = (frame.path().to_path_buf(), message.clone());
+                let error = MediaError::Panicked { path, message };
+                self.failures.insert(frame.clone(), error);
             }
-            WorkReport::Broken(message) => DecoderReport::Broken { message },
-            WorkReport::Counting(progress) => DecoderReport::Counting(progress),
-            WorkReport::Notice(notice) => DecoderReport::Notice(notice),
-        };
+            DecoderReport::Broken(_) | DecoderReport::Counting(_) | DecoderReport::Notice(_) => {}
+        }
         self.unpolled.push(report);
     }
 
@@ -271,13 +230,13 @@ mod tests {
     use super::super::fake_reader::{Controller, Reply, fake_reader, frame, picture};
     use super::*;
     use std::path::Path;
+    use touchline_vision::media::CountProgress;
 
     fn held_decoder() -> (Decoder, Controller) {
         let (make_reader, wake, controller) = fake_reader();
-        (
-            Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap(),
-            controller,
-        )
+        let worker = FrameWorker::spawn("decoder", wake, None, make_reader).unwrap();
+        let decoder = Decoder::new(worker, SharedPictures::new(64 * picture(0).bytes()));
+        (decoder, controller)
     }
 
     fn frames(indices: &[usize]) -> Vec<FrameRef> {
@@ -285,10 +244,7 @@ mod tests {
     }
 
     fn ready(index: usize) -> DecoderReport {
-        DecoderReport::Ready {
-            frame: frame(index),
-            picture: picture(index),
-        }
+        DecoderReport::Frame(frame(index), Ok(picture(index)))
     }
 
     #[test]
@@ -374,10 +330,7 @@ mod tests {
         // The frame becomes the current one: it is tried again, and fails again.
         controller.let_out(Reply::Missing);
         decoder.request(&frame(1), &frames(&[0]));
-        let failed = DecoderReport::Failed {
-            frame: frame(1),
-            error,
-        };
+        let failed = DecoderReport::Frame(frame(1), Err(error));
         assert_eq!(controller.poll_until(|| decoder.poll()), [failed]);
         // Repeating the request is no new attempt; coming back to the frame is.
         decoder.request(&frame(1), &frames(&[0]));
@@ -404,13 +357,7 @@ mod tests {
         let message = "frame 0 is cursed".to_owned();
         assert_eq!(
             reports,
-            [
-                DecoderReport::Panicked {
-                    frame: frame(0),
-                    message
-                },
-                ready(1)
-            ]
+            [DecoderReport::Panicked(frame(0), message), ready(1)]
         );
         let FrameState::Failed(error) = decoder.state(&frame(0)) else {
             panic!("not failed")
@@ -434,7 +381,7 @@ mod tests {
         let elsewhere = FrameRef::video(Path::new("other.mp4"), 3);
         decoder.request(&elsewhere, &[]);
         controller.let_out(Reply::Picture);
-        let is_ready = |report: &DecoderReport| matches!(report, DecoderReport::Ready { frame, .. } if *frame == elsewhere);
+        let is_ready = |report: &DecoderReport| matches!(report, DecoderReport::Frame(frame, Ok(_)) if *frame == elsewhere);
         while !controller
             .poll_until(|| decoder.poll())
             .iter()
@@ -476,11 +423,8 @@ mod tests {
 
     #[test]
     fn a_small_cache_keeps_the_current_frame() {
-        let (make_reader, wake, controller) = fake_reader();
-        let options = DecoderOptions {
-            cache_bytes: 2 * picture(0).bytes(),
-        };
-        let mut decoder = Decoder::with_reader(options, wake, make_reader).unwrap();
+        let (mut decoder, controller) = held_decoder();
+        decoder.pictures().set_budget(2 * picture(0).bytes());
         decoder.request(&frame(0), &frames(&[1, 2, 3]));
         controller.let_out_pictures(4);
         let mut reports = Vec::new();

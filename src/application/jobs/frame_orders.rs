@@ -6,11 +6,11 @@ use std::path::Path;
 use touchline_vision::media::{CountProgress, FrameRef, MediaError, Notice, Picture};
 
 /// The mailbox of a frame worker. A frame is always either queued, being read, or reported.
-pub(super) type FrameMailbox = Mailbox<FrameOrders, WorkReport>;
+pub(super) type FrameMailbox = Mailbox<FrameOrders, DecoderReport>;
 
-/// A worker's report.
-#[derive(Debug)]
-pub(super) enum WorkReport {
+/// A report about frames that were requested.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DecoderReport {
     /// A frame of the queue has been read, or cannot be.
     Frame(FrameRef, Result<Picture, MediaError>),
     /// Reading a frame panicked with this message.

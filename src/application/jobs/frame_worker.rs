@@ -1,7 +1,7 @@
 //! A thread that reads frames in the order of a queue. The owner replaces the queue whenever the
 //! user moves to another frame.
 
-use super::frame_orders::{Choice, FrameMailbox, FrameOrders, WorkReport};
+use super::frame_orders::{Choice, DecoderReport, FrameMailbox, FrameOrders};
 use super::worker::{Mailbox, WaitOutcome, Worker};
 use super::{Wake, panic_message};
 use std::io;
@@ -21,7 +21,7 @@ pub(super) type MakeReader =
 
 /// A thread that reads frames. Dropping it stops and joins the thread.
 pub(super) struct FrameWorker {
-    worker: Worker<FrameOrders, WorkReport>,
+    worker: Worker<FrameOrders, DecoderReport>,
     /// The mailbox of the worker that has priority.
     yields_to: Option<Arc<FrameMailbox>>,
 }
@@ -37,7 +37,7 @@ impl FrameWorker {
         let yields_to = yields_to.map(|first| Arc::clone(first.worker.mailbox()));
         let first = yields_to.clone();
         let mailbox = Mailbox::new(FrameOrders::default(), MAX_REPORTS, wake);
-        let worker = Worker::spawn(name, mailbox, WorkReport::Broken, move |mailbox| {
+        let worker = Worker::spawn(name, mailbox, DecoderReport::Broken, move |mailbox| {
             WorkerThread {
                 mailbox,
                 yields_to: first,
@@ -51,7 +51,7 @@ impl FrameWorker {
     /// Replaces the queue. `choose` takes the reports that have arrived and returns which frames
     /// are wanted and which of them have to be read. Both happen under one lock, so that no frame
     /// is read twice.
-    pub(super) fn replace_queue(&self, choose: impl FnOnce(Vec<WorkReport>) -> Choice) {
+    pub(super) fn replace_queue(&self, choose: impl FnOnce(Vec<DecoderReport>) -> Choice) {
         self.worker.mailbox().update(|state| {
             let choice = choose(state.reports.drain(..).collect());
             state.orders.replace(choice);
@@ -66,7 +66,7 @@ impl FrameWorker {
     }
 
     /// Takes the reports that have arrived.
-    pub(super) fn fetch_reports(&self) -> Vec<WorkReport> {
+    pub(super) fn fetch_reports(&self) -> Vec<DecoderReport> {
         self.worker.mailbox().take_reports()
     }
 }
@@ -101,14 +101,14 @@ impl WorkerThread<'_> {
             })) {
                 Ok((result, notices)) => {
                     for notice in notices {
-                        self.mailbox.report(WorkReport::Notice(notice));
+                        self.mailbox.report(DecoderReport::Notice(notice));
                     }
                     self.finish(frame, result);
                 }
                 Err(payload) => {
                     // The reader may be inconsistent after a panic: continue with a new one.
                     reader = (self.make_reader)(self.counting());
-                    let report = WorkReport::Panicked(frame, panic_message(payload.as_ref()));
+                    let report = DecoderReport::Panicked(frame, panic_message(payload.as_ref()));
                     self.mailbox.report_done(report, FrameOrders::finish);
                 }
             }
@@ -146,7 +146,7 @@ impl WorkerThread<'_> {
             Err(MediaError::Stopped { .. }) => self.mailbox.update(|state| state.orders.give_up()),
             result => self
                 .mailbox
-                .report_done(WorkReport::Frame(frame, result), FrameOrders::finish),
+                .report_done(DecoderReport::Frame(frame, result), FrameOrders::finish),
         }
     }
 
@@ -158,8 +158,8 @@ impl WorkerThread<'_> {
             if mailbox.is_closing() || !mailbox.look(FrameOrders::is_reading_wanted) {
                 return ControlFlow::Break(());
             }
-            mailbox.report_instead(WorkReport::Counting(progress), |before| {
-                matches!(before, WorkReport::Counting(_))
+            mailbox.report_instead(DecoderReport::Counting(progress), |before| {
+                matches!(before, DecoderReport::Counting(_))
             });
             ControlFlow::Continue(())
         })

@@ -9,7 +9,7 @@
 //! | job | its orders |
 //! |---|---|
 //! | [`Background`] | none: one task with progress and a result |
-//! | [`Decoder`], [`Thumbnails`] | the frames wanted now, which replace those wanted before |
+//! | [`Decoder`], of frames and of thumbnails | the frames wanted now, which replace those wanted before |
 //! | [`Saver`] | edits, in order; to write the document |
 //! | [`Trainer`] | the newest document and the shown frame, which replace those before |
 //!
@@ -37,9 +37,10 @@ mod trainer;
 mod worker;
 
 pub use background::{Background, BackgroundReport, Panicked, Reporter, until_it_panics};
-pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
+pub use decoder::{Decoder, FrameState};
 pub use drawn_match::{DrawnMatch, DrawnPicture, MatchOrder, draw_match};
 pub use error::JobError;
+pub use frame_orders::DecoderReport;
 pub use opening::{Ready, open_anything};
 pub use pictures::{PictureNews, PictureState, Pictures, picture_source};
 pub use queue_opening::look_at_match;
@@ -47,7 +48,6 @@ pub use runner::{Request, Runner};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};
 pub use settings_file::{SettingsError, load_settings, save_settings, settings_path};
 pub use shared_pictures::SharedPictures;
-pub use thumbnails::{ThumbnailReport, Thumbnails};
 pub use trainer::{Trainer, TrainerOptions};
 
 use std::sync::Arc;

@@ -1,9 +1,6 @@
 //! The pictures of the open document for a viewer: the shown frame, its neighbours, thumbnails.
 
-use super::{
-    Decoder, DecoderOptions, DecoderReport, FrameState, SharedPictures, ThumbnailReport,
-    Thumbnails, Wake,
-};
+use super::{Decoder, DecoderReport, FrameState, SharedPictures, Wake};
 use crate::app::session::Level;
 use crate::app::{Action, App, OpenProject, ViewAction};
 use std::collections::BTreeMap;
@@ -37,7 +34,7 @@ pub struct PictureNews {
 
 /// The pictures of the open document.
 pub struct Pictures {
-    thumbnails: Thumbnails,
+    thumbnails: Decoder,
     decoder: Decoder,
     /// The file of the open document.
     document: Option<PathBuf>,
@@ -58,9 +55,10 @@ impl Pictures {
     /// # Errors
     /// The operating system gives no thread.
     pub fn start(wake: Wake) -> io::Result<Self> {
-        let decoder = Decoder::spawn(DecoderOptions::default(), wake.clone())?;
+        // The memory follows the settings with the first update.
+        let decoder = Decoder::spawn(0, wake.clone())?;
         Ok(Self {
-            thumbnails: Thumbnails::spawn(&decoder, wake)?,
+            thumbnails: decoder.spawn_thumbnails(wake)?,
             decoder,
             document: None,
             shown: None,
@@ -110,7 +108,7 @@ impl Pictures {
 
     /// Requests the thumbnails of these frames in this order, in place of earlier requests.
     pub fn request_thumbnails(&mut self, frames: &[FrameRef]) {
-        self.thumbnails.request(frames);
+        self.thumbnails.request_all(frames);
     }
 
     /// Requests the pictures that are about to be shown, and takes in those that have arrived.
@@ -125,27 +123,25 @@ impl Pictures {
                         notice.to_string(),
                     )));
                 }
-                DecoderReport::Panicked { frame, message } => {
+                DecoderReport::Panicked(frame, message) => {
                     let text = format!("{frame}: internal error (please report it): {message}");
                     news.actions
                         .push(Action::View(ViewAction::Notify(Level::Error, text)));
                 }
-                DecoderReport::Broken { message } => {
+                DecoderReport::Broken(message) => {
                     news.actions.push(broke_down("frames", &message));
                 }
-                DecoderReport::Ready { .. }
-                | DecoderReport::Failed { .. }
-                | DecoderReport::Counting(_) => {}
+                DecoderReport::Frame(..) | DecoderReport::Counting(_) => {}
             }
         }
         for report in self.thumbnails.poll() {
             match report {
-                ThumbnailReport::Ready { frame, picture } => news.thumbnails.push((frame, picture)),
-                ThumbnailReport::Broken { message } => {
+                DecoderReport::Frame(frame, Ok(picture)) => news.thumbnails.push((frame, picture)),
+                DecoderReport::Broken(message) => {
                     news.actions.push(broke_down("thumbnails", &message));
                 }
-                // The decoder reports the reason when the user comes to the frame.
-                ThumbnailReport::Failed { .. } | ThumbnailReport::Panicked { .. } => {}
+                // The decoder reports the rest when the user comes to the frame.
+                _ => {}
             }
         }
         self.decoder

@@ -188,33 +188,12 @@ fn minutes_of(document: &Document) -> Option<f64> {
 mod tests {
     use super::*;
     use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::{Camera, ShotContent, ShotKind, Solution};
-    use touchline_documents::testing::{cut_video, ptz_at};
-
-    /// Six frames of a field, of which the last is uncertain; three of a dissolve, five of a
-    /// close-up, six of a field without a camera.
-    fn document() -> Document {
-        let cuts = [
-            (6, ShotKind::Transition),
-            (9, ShotKind::Fade),
-            (14, ShotKind::Cut),
-        ];
-        let mut document = cut_video("a.mp4", 20, &cuts);
-        document.shots[2].content = Some(ShotContent::NoField);
-        for index in 0..6 {
-            let frame = &mut document.frames[index];
-            frame.ptz = ptz_at(0.0, -9.0, 90.0);
-            frame.solution = Some(Solution {
-                confidence: Some(if index == 5 { 0.5 } else { 0.99 }),
-                ..Solution::default()
-            });
-        }
-        document
-    }
+    use touchline_documents::document::Camera;
+    use touchline_documents::testing::broadcast;
 
     #[test]
     fn what_a_person_has_to_look_at_is_counted_by_stretches() {
-        let mut document = document();
+        let mut document = broadcast();
         let counts = MatchCounts::from_document(&document);
         assert_eq!(
             (counts.frames, counts.certain, counts.uncertain, counts.none),
@@ -236,7 +215,7 @@ mod tests {
 
     #[test]
     fn the_state_is_that_of_the_project() {
-        let mut document = document();
+        let mut document = broadcast();
         let says =
             |document: &Document| MatchState::from_document(document, Path::new("/m")).describe();
         let size = ImageSize::new(64, 36);

@@ -95,7 +95,7 @@ impl ShotRow {
 }
 
 /// The order of a list of shots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::IntoStaticStr, strum::EnumIter)]
 pub enum ShotOrder {
     /// As in the video.
     #[default]
@@ -107,16 +107,9 @@ pub enum ShotOrder {
 }
 
 impl ShotOrder {
-    /// All orders, as the panel lists them.
-    pub const ALL: [Self; 3] = [Self::Time, Self::Doubt, Self::Camera];
-
     /// Its name in the panel.
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Time => "Time",
-            Self::Doubt => "Doubt",
-            Self::Camera => "Camera",
-        }
+    pub fn label(self) -> &'static str {
+        self.into()
     }
 }
 
@@ -189,32 +182,11 @@ pub(super) fn certainty(frame: &Frame) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use touchline_documents::document::Solution;
-    use touchline_documents::testing::{cut_video, ptz_at};
-
-    /// Six frames of a field, three of a dissolve, five of a close-up, six of a field.
-    fn document() -> Document {
-        let cuts = [
-            (6, ShotKind::Transition),
-            (9, ShotKind::Fade),
-            (14, ShotKind::Cut),
-        ];
-        let mut document = cut_video("a.mp4", 20, &cuts);
-        document.shots[2].content = Some(ShotContent::NoField);
-        for index in 0..6 {
-            let frame = &mut document.frames[index];
-            frame.ptz = ptz_at(0.0, -9.0, 90.0);
-            frame.solution = Some(Solution {
-                confidence: Some(if index == 5 { 0.5 } else { 0.99 }),
-                ..Solution::default()
-            });
-        }
-        document
-    }
+    use touchline_documents::testing::broadcast;
 
     #[test]
     fn rows_count_frames_by_their_cameras_and_say_what_is_left() {
-        let mut document = document();
+        let mut document = broadcast();
         document.frames[0].status = FrameStatus::Reference;
         let rows = shot_rows(&document);
         let counts = |row: &ShotRow| (row.frames, row.certain, row.uncertain, row.none);
@@ -235,7 +207,7 @@ mod tests {
     #[test]
     fn rows_are_sorted_and_filtered() {
         let shots = |order, fields_only| -> Vec<usize> {
-            let rows = in_order(shot_rows(&document()), order, fields_only);
+            let rows = in_order(shot_rows(&broadcast()), order, fields_only);
             rows.iter().map(|row| row.shot).collect()
         };
         assert_eq!(shots(ShotOrder::Time, false), [0, 1, 2, 3]);

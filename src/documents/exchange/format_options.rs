@@ -3,8 +3,11 @@
 //! Each format declares what it takes ([`About`](super::About)). Any other option that a user gives
 //! is refused: an option that is ignored makes wrong data, and nothing shows it.
 
+use strum::VariantArray as _;
+
 /// An option that only some formats take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::IntoStaticStr, strum::VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[non_exhaustive]
 pub enum FormatOption {
     /// The size of the pictures.
@@ -74,10 +77,8 @@ pub enum FormatOption {
 }
 
 use FormatOption::{
-    Annotator, Automated, Columns, Direction as MatrixDirection, EachOwnCamera, Field, Fps, Images,
-    Interpolate, Map, Masks, MatchId, Names, Outside, Perspective, Pixels, Projected, Rotations,
-    SensorMm, Set, Size, SkipUnmapped, StageHeading, StageOrigin, Start, StartTime, StretchedFrom,
-    Takes, Template, Undistorted, Variant, Zoom,
+    EachOwnCamera, Field, Images, Interpolate, Map, Names, Outside, Pixels, Projected, Set, Size,
+    SkipUnmapped, StretchedFrom, Takes, Undistorted,
 };
 
 /// What every export of cameras takes.
@@ -112,50 +113,14 @@ pub enum Direction {
     Import,
 }
 
-/// Every option with its name on the command line, in the order of the type.
-const OPTIONS: [(FormatOption, &str); 32] = [
-    (Size, "size"),
-    (Variant, "variant"),
-    (Undistorted, "undistorted"),
-    (Names, "names"),
-    (Projected, "projected"),
-    (Outside, "outside"),
-    (Interpolate, "interpolate"),
-    (Takes, "takes"),
-    (Start, "start"),
-    (Fps, "fps"),
-    (SensorMm, "sensor-mm"),
-    (MatchId, "match-id"),
-    (StartTime, "start-time"),
-    (Perspective, "perspective"),
-    (Automated, "automated"),
-    (StageOrigin, "stage-origin"),
-    (StageHeading, "stage-heading"),
-    (Rotations, "rotations"),
-    (Zoom, "zoom"),
-    (Images, "images"),
-    (Pixels, "pixels"),
-    (Map, "map"),
-    (SkipUnmapped, "skip-unmapped"),
-    (Annotator, "annotator"),
-    (Field, "field"),
-    (Set, "set"),
-    (EachOwnCamera, "each-own-camera"),
-    (StretchedFrom, "stretched-from"),
-    (Template, "template"),
-    (MatrixDirection, "direction"),
-    (Columns, "columns"),
-    (Masks, "masks"),
-];
-
 impl FormatOption {
     /// Every option.
     pub fn all() -> impl Iterator<Item = Self> {
-        OPTIONS.into_iter().map(|(option, _)| option)
+        Self::VARIANTS.iter().copied()
     }
 
     /// Its name on the command line, behind two hyphens.
-    pub const fn name(self) -> &'static str {
-        OPTIONS[self as usize].1
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }

@@ -5,6 +5,7 @@ use super::timecode::Timecode;
 use crate::document::{CameraId, FieldSpec, FrameStatus, Stage, resolve_path};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use strum::{EnumString, IntoStaticStr, VariantArray};
 use touchline_core::geometry::ImageSize;
 
 /// The choice of frames to export.
@@ -123,7 +124,8 @@ pub enum Gaps {
 }
 
 /// The frames for which rotation and translation are written, in formats that allow to omit them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum Rotations {
     /// All frames.
     #[default]
@@ -270,12 +272,14 @@ pub enum PointSource {
 }
 
 /// The names of keypoints in training data.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum KeypointNames {
     /// This program's landmarks, in its order.
     #[default]
     Touchline,
     /// The 32 points of Roboflow's `SoccerPitchConfiguration`, by index.
+    #[strum(serialize = "roboflow-32")]
     Roboflow32,
 }
 
@@ -321,13 +325,17 @@ pub struct HomographyOptions {
 }
 
 /// A plane with coordinates of the ground, as makers of homographies use one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum GroundPlan {
     /// Metres from the field's centre, x to the right, y away from the camera.
+    #[strum(serialize = "centre-m")]
     CentreMetres,
     /// Metres from the far left corner, x to the right, y towards the camera.
+    #[strum(serialize = "corner-m")]
     CornerMetres,
     /// The template of the World Cup 2014 set: yards from the far left corner, y to the camera.
+    #[strum(serialize = "wc14")]
     WorldCup2014,
     /// The court of `ShuttleSet`: px of a drawing whose y runs along the court, the far back line
     /// above. A camera looks along the court.
@@ -335,24 +343,6 @@ pub enum GroundPlan {
 }
 
 impl GroundPlan {
-    /// Every plan, in the order of the help.
-    pub const ALL: [Self; 4] = [
-        Self::CentreMetres,
-        Self::CornerMetres,
-        Self::WorldCup2014,
-        Self::ShuttleSet,
-    ];
-
-    /// Its name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::CentreMetres => "centre-m",
-            Self::CornerMetres => "corner-m",
-            Self::WorldCup2014 => "wc14",
-            Self::ShuttleSet => "shuttleset",
-        }
-    }
-
     /// The field that it is usually of.
     pub const fn usual_field(self) -> &'static str {
         match self {
@@ -363,23 +353,11 @@ impl GroundPlan {
 }
 
 /// The direction of a matrix between a picture and the ground.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "snake_case")]
 pub enum MatrixDirection {
     /// From the picture to the ground.
     PitchFromImage,
     /// From the ground to the picture.
     ImageFromPitch,
-}
-
-impl MatrixDirection {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::PitchFromImage, Self::ImageFromPitch];
-
-    /// Its name, as JSON lines of homographies state it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::PitchFromImage => "pitch_from_image",
-            Self::ImageFromPitch => "image_from_pitch",
-        }
-    }
 }

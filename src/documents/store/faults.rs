@@ -2,7 +2,7 @@
 //! alone or with all later ones. Afterwards the folder is examined as it is after a kill or after a
 //! power cut.
 
-use super::{Access, DocumentStore as _, Location, Opened, Store, StoreError, open, orphans, read};
+use super::{Access, Location, Opened, Store, StoreError, open, orphans, read};
 use crate::document::{Click, Document, Edit, FieldSpec, Frame, History, Step, document_to_string};
 use std::cell::RefCell;
 use std::collections::BTreeMap;

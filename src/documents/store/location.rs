@@ -91,17 +91,6 @@ impl Location {
         folder_of(&self.file)
     }
 
-    /// The document's name for the user: the folder's name for a project, otherwise the file's.
-    pub fn name(&self) -> String {
-        let name = self.file.file_name().unwrap_or_default();
-        let name = if name == PROJECT_FILE {
-            self.folder().file_name().unwrap_or(name)
-        } else {
-            name
-        };
-        name.to_string_lossy().into_owned()
-    }
-
     /// Path of the journal: the edits since the document was last written.
     pub fn journal(&self) -> PathBuf {
         with_suffix(&self.file, ".journal")

@@ -45,7 +45,6 @@
 mod atomic;
 mod calls;
 mod disk;
-mod document_store;
 mod error;
 #[cfg(test)]
 mod faults;
@@ -61,8 +60,7 @@ mod own_version;
 mod read_only;
 mod replay;
 
-pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
-pub use document_store::Outside;
+pub use disk::{Access, Opened, Outside, Recovery, Store, open, read, write_document};
 pub use error::StoreError;
 pub use history_file::HistoryLeftOut;
 pub use location::Location;
@@ -72,10 +70,9 @@ pub use read_only::ReadOnly;
 pub use {
     atomic::{write_atomically, write_new, write_output},
     disk::{
-        FilesRead, OpenForWriting, Reserved, open_for_writing, read_with_state, refuse_document,
-        refuse_other_file, reserve,
+        FilesRead, OpenForWriting, Others, Reserved, open_for_writing, read_with_state,
+        refuse_document, refuse_other_file, reserve,
     },
-    document_store::{DocumentStore, Others},
     location::{PROJECT_FILE, PROJECT_SUFFIX},
     lock::{Lock, lock_file},
     orphan::{orphans, put_orphan_away, read_orphan, save_orphan},

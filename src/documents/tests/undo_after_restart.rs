@@ -9,9 +9,7 @@ use touchline_core::geometry::ImageSize;
 use touchline_documents::document::{
     Camera, Document, Edit, EditKind, History, Step, document_to_string,
 };
-use touchline_documents::store::{
-    Access, DocumentStore as _, HistoryLeftOut, Location, Opened, Recovery, Store, open,
-};
+use touchline_documents::store::{Access, HistoryLeftOut, Location, Opened, Recovery, Store, open};
 use touchline_documents::testing::{new_frame, soccer_document};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);

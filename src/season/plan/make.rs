@@ -13,55 +13,44 @@ use touchline_documents::document::{
 use touchline_documents::store::{self, Location, StoreError};
 use touchline_vision::media::{MediaError, sha256_of_bytes, sha256_of_file};
 
-/// Why a season has no plan. Each names the match.
+/// Why a season has no plan.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum MakePlanError {
-    /// The frames of a match cannot be used.
+    /// A match cannot be planned.
     #[error("{name}: {source}")]
-    Source {
-        /// The match.
+    Match {
         name: String,
         /// Why.
-        source: SourceError,
-    },
-    /// The project of a match cannot be used.
-    #[error("{name}: {source}")]
-    Project {
-        /// The match.
-        name: String,
-        /// Why.
-        source: Box<StoreError>,
-    },
-    /// The forest of a match cannot be read.
-    #[error("{name}: {source}")]
-    Forest {
-        /// The match.
-        name: String,
-        /// Why.
-        source: MediaError,
-    },
-    /// The project of a match has no camera that could be used.
-    #[error(
-        "{name}: {} has no camera with a base; estimate it there, or name no project",
-        project.display()
-    )]
-    NoBase {
-        /// The match.
-        name: String,
-        project: PathBuf,
-    },
-    /// The project of a match cannot be hashed.
-    #[error("{name}: {source}")]
-    Write {
-        /// The match.
-        name: String,
-        /// Why.
-        source: WriteError,
+        source: MatchError,
     },
     /// `progress` cancelled it.
     #[error("stopped; no plan was made")]
     Stopped,
+}
+
+/// Why a match cannot be planned.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum MatchError {
+    /// Its frames cannot be used.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// Its project cannot be used.
+    #[error(transparent)]
+    Project(#[from] Box<StoreError>),
+    /// Its forest cannot be read.
+    #[error(transparent)]
+    Forest(#[from] MediaError),
+    /// Its project has no camera that could be used.
+    #[error(
+        "{} has no camera with a base; estimate it there, or name no project",
+        project.display()
+    )]
+    NoBase { project: PathBuf },
+    /// Its project cannot be hashed.
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 /// Plans a season: hashes what is named in it and divides its matches. The plan is for a file at
@@ -79,7 +68,11 @@ pub fn make_plan(
     let folder = resolve_path(folder_of(plan));
     let mut made = Plan::new(generator(), processor.to_owned());
     for of_season in &season.matches {
-        let mut planned = plan_match(of_season, &folder)?;
+        let planned = plan_match(of_season, &folder);
+        let mut planned = planned.map_err(|source| MakePlanError::Match {
+            name: of_season.name.clone(),
+            source,
+        })?;
         // Ids come last, because they are hashes of everything else.
         made.name_shards(&mut planned);
         made.matches.push(planned);
@@ -91,20 +84,15 @@ pub fn make_plan(
 }
 
 /// Everything of a match but the ids of its shards.
-fn plan_match(of_season: &Match, folder: &Path) -> Result<PlannedMatch, MakePlanError> {
-    let name = &of_season.name;
-    let refuse = |source| MakePlanError::Source {
-        name: name.clone(),
-        source,
-    };
-    let state = examine_source(&of_season.frames).map_err(refuse)?;
-    let (_, frames_name) = place_of_source(&of_season.frames).map_err(refuse)?;
+fn plan_match(of_season: &Match, folder: &Path) -> Result<PlannedMatch, MatchError> {
+    let state = examine_source(&of_season.frames)?;
+    let (_, frames_name) = place_of_source(&of_season.frames)?;
     let project = of_season.project.as_deref();
-    let project = project.map(|path| plan_project(name, path, folder));
+    let project = project.map(|path| plan_project(path, folder));
     let forest = of_season.forest.as_deref();
-    let forest = forest.map(|path| plan_forest(name, path, folder));
+    let forest = forest.map(|path| plan_forest(path, folder));
     Ok(PlannedMatch {
-        name: name.clone(),
+        name: of_season.name.clone(),
         frames: path_for(&of_season.frames, folder),
         frames_name,
         num_frames: state.num_frames,
@@ -142,39 +130,23 @@ fn windows(state: &SourceState, of_season: &Match) -> Vec<LabelShard> {
         .collect()
 }
 
-fn plan_project(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, MakePlanError> {
-    let (location, document, _) = store::read(path).map_err(|source| MakePlanError::Project {
-        name: name.to_owned(),
-        source: Box::new(source),
-    })?;
-    if document
-        .cameras
-        .iter()
-        .all(|camera| camera.base().is_none())
-    {
-        return Err(MakePlanError::NoBase {
-            name: name.to_owned(),
-            project: path.to_path_buf(),
-        });
+fn plan_project(path: &Path, folder: &Path) -> Result<PlannedFile, MatchError> {
+    let (location, document, _) = store::read(path).map_err(Box::new)?;
+    let mut cameras = document.cameras.iter();
+    if cameras.all(|camera| camera.base().is_none()) {
+        let project = path.to_path_buf();
+        return Err(MatchError::NoBase { project });
     }
-    let sha256 = hash_of_project(&location, &document).map_err(|source| MakePlanError::Write {
-        name: name.to_owned(),
-        source,
-    })?;
     Ok(PlannedFile {
         path: path_for(path, folder),
-        sha256,
+        sha256: hash_of_project(&location, &document)?,
     })
 }
 
-fn plan_forest(name: &str, path: &Path, folder: &Path) -> Result<PlannedFile, MakePlanError> {
-    let sha256 = sha256_of_file(path).map_err(|source| MakePlanError::Forest {
-        name: name.to_owned(),
-        source,
-    })?;
+fn plan_forest(path: &Path, folder: &Path) -> Result<PlannedFile, MatchError> {
     Ok(PlannedFile {
         path: path_for(path, folder),
-        sha256,
+        sha256: sha256_of_file(path)?,
     })
 }
 

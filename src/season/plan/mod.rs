@@ -21,4 +21,4 @@ mod make;
 
 pub(crate) use file::path_in_plan;
 pub use file::{LabelShard, Plan, PlanError, PlannedFile, PlannedMatch, ShardOfPlan};
-pub use make::{MakePlanError, hash_of_project, make_plan};
+pub use make::{MakePlanError, MatchError, hash_of_project, make_plan};

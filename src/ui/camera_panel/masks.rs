@@ -5,6 +5,7 @@ use crate::ui::Panel;
 use crate::ui::controls::symbol::{self, Symbol};
 use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, Ui};
+use strum::IntoEnumIterator as _;
 use touchline_application::app::{Command, EditAction, MaskList, MaskScope, Tool};
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Camera, MaskSource, RangedMask};
@@ -85,7 +86,7 @@ fn row(
                 panel.edit(EditAction::RemoveMask { list, index });
             }
             let menu = ui.menu_button(RichText::new(covers).small(), |ui| {
-                for scope in MaskScope::ALL {
+                for scope in MaskScope::iter() {
                     let why_not = panel.app.why_not_scope(scope);
                     let entry = ui.add_enabled(why_not.is_none(), Button::new(scope.label()));
                     if entry

@@ -317,7 +317,7 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, rows: &[ReviewRow], state: &Galle
     }
     ui.add_enabled_ui(count > 0, |ui| {
         ui.menu_button(format!("Reject {count}"), |ui| {
-            for reason in RejectReason::ALL {
+            for &reason in RejectReason::ALL {
                 let button = Button::new(reason_label(reason));
                 if show_button(
                     ui,

@@ -13,6 +13,7 @@ use egui::{
     Button, Context, FontFamily, FontId, Id, Image, Label, RichText, Role, ScrollArea,
     TextureHandle, Ui, WidgetInfo, vec2,
 };
+use strum::IntoEnumIterator as _;
 use touchline_application::app::ViewAction;
 use touchline_application::app::guide::GuidePage;
 use touchline_assets::guide;
@@ -43,7 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(LIST);
-                for other in GuidePage::ALL {
+                for other in GuidePage::iter() {
                     let button =
                         Button::selectable(other == page, other.title()).min_size(vec2(LIST, 22.0));
                     if ui.add(button).clicked() {
@@ -232,7 +233,7 @@ mod tests {
 
     #[test]
     fn every_page_has_a_title_and_nothing_that_is_not_rendered() {
-        for page in GuidePage::ALL {
+        for page in GuidePage::iter() {
             let (name, text) = (page.title(), text(page));
             assert!(text.starts_with("# "), "{name}");
             for line in text.lines().filter(|line| picture(line).is_none()) {
@@ -246,8 +247,7 @@ mod tests {
 
     #[test]
     fn every_picture_that_a_page_names_is_there_and_has_a_caption() {
-        let named: Vec<(&str, &str)> = GuidePage::ALL
-            .into_iter()
+        let named: Vec<(&str, &str)> = GuidePage::iter()
             .flat_map(|page| text(page).lines().filter_map(picture))
             .collect();
         let ctx = Context::default();

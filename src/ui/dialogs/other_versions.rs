@@ -50,13 +50,13 @@ fn entry(panel: &mut Panel<'_>, ui: &mut Ui, orphan: &Orphan) {
              undo.",
         );
         if merge.clicked() {
-            panel.actions.push(Action::MergeOrphan(orphan.path.clone()));
+            panel.act(Action::MergeOrphan(orphan.path.clone()));
         }
         let save = ui
             .button("Save as a document")
             .on_hover_text("Save the result of these edits as a separate document beside this one.");
         if save.clicked() {
-            panel.actions.push(Action::SaveOrphan(orphan.path.clone()));
+            panel.act(Action::SaveOrphan(orphan.path.clone()));
         }
     });
     ui.add_space(theme::SPACE);
@@ -102,7 +102,7 @@ pub fn show_not_saved(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
                 Button::new(RichText::new(does).color(ui.palette().bad)),
                 "This cannot be undone.",
             ) {
-                panel.actions.push(Action::LeaveUnsaved);
+                panel.act(Action::LeaveUnsaved);
             }
         });
     });
@@ -155,7 +155,7 @@ pub fn show_changed_outside(panel: &mut Panel<'_>, ctx: &Context) {
                     button = button.fill(ui.palette().accent_ground);
                 }
                 if show_button(ui, button, does) {
-                    panel.actions.push(Action::ResolveOutside(choice));
+                    panel.act(Action::ResolveOutside(choice));
                 }
                 theme::small_weak_text(ui, does);
             }

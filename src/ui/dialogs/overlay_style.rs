@@ -51,7 +51,7 @@ fn colour(panel: &mut Panel<'_>, ui: &mut Ui) {
     ));
     let ground = sport.map(|sport| sport.ground);
     if let Some(taken) = show_swatches(ui, "", ground, panel.app.overlay_style().colour) {
-        panel.actions.push(match sport {
+        panel.act(match sport {
             Some(sport) => Action::Settings(SettingsAction::LineColour(sport, taken)),
             None => Action::Settings(SettingsAction::OverlayStyle(OverlayStyle {
                 colour: taken,

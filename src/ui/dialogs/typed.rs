@@ -93,9 +93,7 @@ pub fn show_path(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
                 .on_hover_text("Use this path. (Enter)")
                 .on_disabled_hover_text("Type a path first.");
             if (take.clicked() || entered) && !path.is_empty() {
-                panel
-                    .actions
-                    .push(Action::Answer(question, PathBuf::from(path)));
+                panel.act(Action::Answer(question, PathBuf::from(path)));
             }
             cancel(panel, ui, "Close without a change. (Esc)");
         });

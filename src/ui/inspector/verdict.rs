@@ -376,7 +376,7 @@ fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
     let down = response.is_pointer_button_down_on();
     if down != before {
         ui.data_mut(|data| data.insert_temp(pressed, down));
-        panel.actions.push(Action::Hold(Command::Compare, down));
+        panel.act(Action::Hold(Command::Compare, down));
     }
 }
 

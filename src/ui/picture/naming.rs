@@ -48,9 +48,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
         && let PictureState::Ready(_, picture) = panel.pictures.current()
     {
         let looks = CornerLooks::from_picture(&picture, click.image);
-        panel
-            .actions
-            .push(Action::Navigate(Navigation::LookAtClick(looks)));
+        panel.act(Action::Navigate(Navigation::LookAtClick(looks)));
     }
     // The size must be known before the list is laid out, because the list stands at its left or
     // its right side beside the point. At least one row, for the note that no name matches.
@@ -79,7 +77,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
                         if let Some(action) =
                             row(ui, &columns, index, candidate, index == naming.highlighted)
                         {
-                            panel.actions.push(action);
+                            panel.act(action);
                         }
                     }
                     if offered.is_empty() {

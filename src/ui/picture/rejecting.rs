@@ -53,7 +53,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, bounds: Rect, whole_shot: bool
                     };
                     ui.horizontal_wrapped(|ui| {
                         ui.label(what);
-                        for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
+                        for (index, &reason) in RejectReason::ALL.iter().enumerate() {
                             if ui
                                 .button(format!("{}  {}", index + 1, reason_label(reason)))
                                 .clicked()

@@ -68,7 +68,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<ComparisonRe
             "Compare this document as it is now.",
         )
     {
-        panel.actions.push(Action::Compare(compared.file.clone()));
+        panel.act(Action::Compare(compared.file.clone()));
     }
     let name = file_name(&compared.file.to_string_lossy());
     let text = if stale {

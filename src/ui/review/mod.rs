@@ -14,6 +14,7 @@ use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::Themed as _;
 use crate::ui::controls::{Heading, symbol, theme};
 use egui::{Button, DragValue, Frame, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use strum::IntoEnumIterator as _;
 use touchline_application::app::review::{ReviewOrder, percent};
 use touchline_application::app::{Command, ViewAction};
 use touchline_core::geometry::pluralise;
@@ -92,7 +93,7 @@ pub fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.horizontal_wrapped(|ui| {
                 ui.spacing_mut().item_spacing.x = theme::SPACE;
                 let chosen = panel.app.session.review.order;
-                for order in ReviewOrder::ALL {
+                for order in ReviewOrder::iter() {
                     let says = Button::selectable(order == chosen, order.label());
                     if show_button(ui, says, order.about()) {
                         panel.view(ViewAction::SetReviewOrder(order));

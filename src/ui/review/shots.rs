@@ -11,6 +11,7 @@ use egui::{
 };
 use std::path::PathBuf;
 use std::sync::Arc;
+use strum::IntoEnumIterator as _;
 use touchline_application::app::{Command, OpenProject, ViewAction};
 use touchline_application::scene::shot_list::{ShotOrder, ShotRow, ShotShows, in_order, shot_rows};
 use touchline_core::geometry::{pluralise, thousands};
@@ -100,7 +101,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.horizontal_wrapped(|ui| {
                 ui.spacing_mut().item_spacing.x = theme::SPACE;
                 let choice = panel.app.session.review.shots;
-                for order in ShotOrder::ALL {
+                for order in ShotOrder::iter() {
                     let is_chosen = order == choice.order;
                     if ui
                         .add(Button::selectable(is_chosen, order.label()))

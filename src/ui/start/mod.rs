@@ -209,7 +209,7 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
             .on_disabled_hover_text("Type a path first.");
         if (entered || open.clicked()) && !typed.trim().is_empty() {
             let path = PathBuf::from(typed.trim());
-            panel.actions.push(Action::OpenAny(vec![path]));
+            panel.act(Action::OpenAny(vec![path]));
         }
     });
     ui.data_mut(|data| data.insert_temp(memory, typed));
@@ -231,7 +231,7 @@ pub fn show_recent(panel: &mut Panel<'_>, ui: &mut Ui) {
         let picture = document.picture();
         let picture = picture.and_then(|picture| panel.pictures.thumbnail_of(picture));
         if recent_row(ui, document, picture) {
-            panel.actions.push(Action::Open(document.file.clone()));
+            panel.act(Action::Open(document.file.clone()));
         }
     }
 }

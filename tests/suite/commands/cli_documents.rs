@@ -10,7 +10,7 @@ use touchline::document::{
 };
 use touchline::exchange::Format;
 use touchline::geometry::ImageSize;
-use touchline::store::{Access, DocumentStore as _, Location, open, read, write_document};
+use touchline::store::{Access, Location, open, read, write_document};
 use touchline_core::testing::{TestBase, landmark_in, soccer, turned_base};
 use touchline_documents::testing::{
     WithFrames, a_match, match_from, new_frame, save, soccer_document, solved_by,

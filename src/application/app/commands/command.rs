@@ -42,7 +42,7 @@ pub enum CommandNeeds {
 }
 
 /// The menu that lists a command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::IntoStaticStr, strum::EnumIter)]
 #[allow(missing_docs, reason = "the menu's own titles")]
 pub enum MenuGroup {
     File,
@@ -54,26 +54,9 @@ pub enum MenuGroup {
 }
 
 impl MenuGroup {
-    /// All menus, in order.
-    pub const ALL: [Self; 6] = [
-        Self::File,
-        Self::Edit,
-        Self::Frame,
-        Self::Camera,
-        Self::View,
-        Self::Help,
-    ];
-
     /// The menu's title.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::File => "File",
-            Self::Edit => "Edit",
-            Self::Frame => "Frame",
-            Self::Camera => "Camera",
-            Self::View => "View",
-            Self::Help => "Help",
-        }
+    pub fn title(self) -> &'static str {
+        self.into()
     }
 }
 

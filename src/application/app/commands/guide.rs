@@ -1,7 +1,7 @@
 //! The pages of the user guide.
 
 /// A page of the user guide.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::EnumIter)]
 pub enum GuidePage {
     /// From a folder or video to exported labels.
     #[default]
@@ -27,20 +27,6 @@ pub enum GuidePage {
 }
 
 impl GuidePage {
-    /// All pages, in order.
-    pub const ALL: [Self; 10] = [
-        Self::FirstProject,
-        Self::Window,
-        Self::Base,
-        Self::Trust,
-        Self::Video,
-        Self::Review,
-        Self::Quality,
-        Self::Export,
-        Self::SeveralPeople,
-        Self::Glossary,
-    ];
-
     /// The title in the list of pages.
     pub const fn title(self) -> &'static str {
         match self {

@@ -129,7 +129,7 @@ impl Operation for BaseEstimate {
                 let state = &mut app.operations.base_estimate;
                 state.last = LastEstimate::Proposed(found.into());
                 state.of = Some((self.document.clone(), self.camera.clone()));
-                app.session.notify(Level::Info, text);
+                app.session.note(text);
             }
             Err(failure) => app
                 .session
@@ -259,10 +259,8 @@ impl App {
             return;
         };
         if ready.wide == 0 && self.current.base.is_none() {
-            self.session.notify(
-                Level::Info,
-                format!("Not enough points yet. {}", ready.describe()),
-            );
+            self.session
+                .note(format!("Not enough points yet. {}", ready.describe()));
             return;
         }
         let with_paint = self.settings.base_on_paint;

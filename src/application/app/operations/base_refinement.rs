@@ -6,16 +6,13 @@
 //! with them as usual; the points that were followed for the refinement are reused.
 
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
-use crate::app::operations::UnderWay;
-use crate::app::operations::clip_tracking::{REFINED, describe_progress, share_of};
-use crate::app::window_state::session::Level;
+use crate::app::operations::clip_tracking::{REFINED, step_of};
+use crate::app::operations::{OperationStep, UnderWay};
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
-use touchline_calibration::calibrate::{
-    BulkChange, ClipEvidence, ClipFrames, ClipProgress, clip_of_frame,
-};
+use touchline_calibration::calibrate::{BulkChange, ClipEvidence, ClipFrames, clip_of_frame};
 use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
 use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
@@ -41,14 +38,6 @@ pub struct RefinedBase {
     off_px: Option<(f64, f64)>,
     /// Points tracked through the pictures of the clip, and the paint found in them.
     evidence: ClipEvidence,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RefinementProgress {
-    /// The clip is being tracked.
-    Tracking(ClipProgress),
-    /// The base is being adjusted to the painted lines.
-    Adjusting,
 }
 
 /// Why no base was refined.
@@ -114,7 +103,7 @@ impl RoundsOutcome {
 }
 
 impl Operation for BaseRefinement {
-    type Progress = RefinementProgress;
+    type Progress = OperationStep;
     type Output = RefinedBase;
     type Error = BaseRefinementError;
 
@@ -122,7 +111,7 @@ impl Operation for BaseRefinement {
 
     fn run(
         &self,
-        context: &Context<'_, RefinementProgress>,
+        context: &Context<'_, OperationStep>,
     ) -> Result<RefinedBase, BaseRefinementError> {
         let mut reader = context.open_reader();
         let clip = self.clip().ok_or(BaseRefinementError::NoPicture)?;
@@ -134,10 +123,11 @@ impl Operation for BaseRefinement {
         let (mut evidence, outcome) = (Vec::new(), Mutex::new(RoundsOutcome::default()));
         // Two kinds of events are progress; the others describe the outcome.
         let progress = Progress::new(|event| match event {
-            TrackingEvent::Progress(progress) => {
-                context.report(RefinementProgress::Tracking(progress))
+            TrackingEvent::Progress(progress) => context.report(step_of(&progress)),
+            TrackingEvent::Refining(_) => {
+                let step = "Adjusting the base to the painted lines of all frames";
+                context.report(OperationStep::new(step, None))
             }
-            TrackingEvent::Refining(_) => context.report(RefinementProgress::Adjusting),
             other => {
                 outcome
                     .lock()
@@ -235,10 +225,8 @@ impl App {
     pub(in crate::app) fn stop_refining_base(&mut self) -> bool {
         let is_stopped = self.operations.base_refinement.slot.cancel();
         if is_stopped {
-            self.session.notify(
-                Level::Info,
-                "Refining the base was stopped; nothing was changed.",
-            );
+            self.session
+                .note("Refining the base was stopped; nothing was changed.");
         }
         is_stopped
     }
@@ -265,7 +253,7 @@ impl App {
         if !since.has_base_and_field(camera) || field != field_before {
             let text = "The base or the field changed in the meantime; the refined base was \
                         discarded.";
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
             return;
         }
         let RefinedBase {
@@ -280,10 +268,8 @@ impl App {
         .has_base_and_field(camera);
         let base = found.camera(camera).and_then(Camera::base);
         let Some(base) = base.filter(|_| is_refined) else {
-            self.session.notify(
-                Level::Info,
-                "The base already lies on the painted lines of this shot.",
-            );
+            self.session
+                .note("The base already lies on the painted lines of this shot.");
             return;
         };
         // Only the base and the camera's field, which may be the document's, are copied; everything
@@ -309,7 +295,7 @@ impl App {
         });
         // A change that was refused has reported that.
         if is_changed {
-            self.session.notify(Level::Info, describe_refined(off_px));
+            self.session.note(describe_refined(off_px));
         }
     }
 }
@@ -329,18 +315,9 @@ impl BaseRefinementState {
 
     /// The running refinement with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let (step, share) = match self.slot.running()?.progress() {
-            None => ("Opening the pictures".to_owned(), None),
-            Some(RefinementProgress::Adjusting) => {
-                let step = "Adjusting the base to the painted lines of all frames";
-                (step.to_owned(), None)
-            }
-            Some(RefinementProgress::Tracking(progress)) => {
-                (describe_progress(progress), share_of(progress))
-            }
-        };
         let job = "Refining the base on this shot";
-        Some(UnderWay::new(job, step, Command::StopTracking).with_share(share))
+        let running = self.slot.running()?;
+        Some(UnderWay::from_running(running, job, Command::StopTracking))
     }
 }
 

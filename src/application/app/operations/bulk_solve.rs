@@ -31,12 +31,6 @@ pub struct BulkSolving {
 /// change.
 pub type AfterBulk = fn(&mut App, &BulkChange);
 
-/// The change that is being computed.
-#[derive(Debug, Default)]
-pub struct BulkSolveState {
-    slot: Slot<BulkSolving>,
-}
-
 // ---- The work ----
 
 impl Operation for BulkSolving {
@@ -62,7 +56,7 @@ impl Operation for BulkSolving {
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
-        &mut app.operations.bulk_solve.slot
+        &mut app.operations.bulk_solve
     }
 
     fn must_wait(app: &App) -> bool {
@@ -81,13 +75,6 @@ impl Operation for BulkSolving {
 
 // ---- In the application ----
 
-impl BulkSolveState {
-    /// Whether a change is being computed.
-    pub const fn is_running(&self) -> bool {
-        self.slot.is_running()
-    }
-}
-
 impl App {
     /// Makes a change as one step of undo: at once, or in the background if it affects many frames.
     /// Calls `then` after the change was made. Returns false, with a message, if the change cannot
@@ -98,7 +85,7 @@ impl App {
         change: BulkChange,
         then: AfterBulk,
     ) -> bool {
-        if let Some(running) = self.operations.bulk_solve.slot.running() {
+        if let Some(running) = self.operations.bulk_solve.running() {
             let text = format!(
                 "Not while another change is under way: {}",
                 running.operation().step.name
@@ -133,13 +120,12 @@ impl App {
 
     /// Why there is nothing to stop. None if a change is being computed.
     pub(in crate::app) fn why_not_stop_bulk(&self) -> Option<&'static str> {
-        (!self.operations.bulk_solve.slot.is_running())
-            .then_some("No frames are being solved again.")
+        (!self.operations.bulk_solve.is_running()).then_some("No frames are being solved again.")
     }
 
     /// Stops the change that is being computed. The document stays as it is.
     pub(in crate::app) fn stop_bulk(&mut self) {
-        let slot = &mut self.operations.bulk_solve.slot;
+        let slot = &mut self.operations.bulk_solve;
         let Some(name) = slot
             .running()
             .map(|running| running.operation().step.name.clone())
@@ -147,10 +133,8 @@ impl App {
             return;
         };
         slot.cancel();
-        self.session.notify(
-            Level::Info,
-            format!("{name}: stopped, nothing was changed."),
-        );
+        self.session
+            .note(format!("{name}: stopped, nothing was changed."));
     }
 
     /// Joins a computed change with the document as it is now, as one step of undo. If the document
@@ -202,10 +186,10 @@ impl App {
 
 // ---- Words ----
 
-impl BulkSolveState {
+impl Slot<BulkSolving> {
     /// The running change with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let running = self.slot.running()?;
+        let running = self.running()?;
         let progress = running.progress();
         let step = progress.map_or_else(String::new, |progress| {
             format!(

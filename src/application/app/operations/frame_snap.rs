@@ -3,7 +3,6 @@
 
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot};
 use crate::app::operations::UnderWay;
-use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -192,7 +191,7 @@ impl App {
             Command::StopSearch => {
                 self.operations.frame_snap.slot.cancel();
                 self.session
-                    .notify(Level::Info, "The search was stopped; nothing was changed.");
+                    .note("The search was stopped; nothing was changed.");
             }
             _ => {}
         }
@@ -238,7 +237,7 @@ impl App {
         let Some(position) = position else {
             let text = "The frame, its base or its field changed in the meantime; the camera on \
                         the painted lines was discarded.";
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
             return;
         };
         // A result for an untouched frame is a suggestion,
@@ -281,15 +280,12 @@ impl App {
                 .frame_snap
                 .before
                 .insert(request.frame.id.clone(), before);
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
         } else if request.from_scratch {
             let samples = found.found.samples;
-            self.session.notify(
-                Level::Info,
-                format!(
-                    "Found from {samples} points on painted lines. Check it before you accept."
-                ),
-            );
+            self.session.note(format!(
+                "Found from {samples} points on painted lines. Check it before you accept."
+            ));
         }
     }
 
@@ -322,7 +318,7 @@ impl App {
         let text = format!(
             "Suggested from {samples} points on painted lines. Check it before you accept it."
         );
-        self.session.notify(Level::Info, text);
+        self.session.note(text);
     }
 
     /// The shown frame's camera before its alignment, if the frame is aligned and that camera is

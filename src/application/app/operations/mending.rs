@@ -2,7 +2,7 @@
 //! cameras are one batch of suggestions.
 
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
-use crate::app::operations::UnderWay;
+use crate::app::operations::{OperationStep, UnderWay};
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::path::PathBuf;
@@ -39,29 +39,20 @@ pub(in crate::app) struct MendingState {
     pub(super) options: MendOptions,
 }
 
-/// A step of mending, and how far it has come.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MendingProgress {
-    /// What is being done.
-    step: &'static str,
-    /// The share that is done, 0 to 1; none if it is unknown.
-    share: Option<f32>,
-}
-
 // ---- The work ----
 
 impl Operation for Mending {
-    type Progress = MendingProgress;
+    type Progress = OperationStep;
     type Output = MendedDocument;
     type Error = MendError;
 
     const NAME: &'static str = "mend cameras";
 
-    fn run(&self, context: &Context<'_, MendingProgress>) -> Result<MendedDocument, MendError> {
+    fn run(&self, context: &Context<'_, OperationStep>) -> Result<MendedDocument, MendError> {
         let mut reader = context.open_reader();
         let mut document = self.document.clone();
         let steps = context.progress();
-        let progress = steps.part(|event: MendEvent| MendingProgress::from_event(&event));
+        let progress = steps.part(|event: MendEvent| step_of(&event));
         let mended = mend(
             &mut document,
             &self.folder,
@@ -91,23 +82,16 @@ impl Operation for Mending {
     }
 }
 
-impl MendingProgress {
-    fn from_event(event: &MendEvent) -> Self {
-        let (step, share) = match event {
-            MendEvent::Cuts(done) => ("Looking for cuts", Some(done)),
-            MendEvent::Sampling(done) => ("Comparing a sample with the painted lines", Some(done)),
-            MendEvent::Aligning(_, done) => {
-                ("Aligning all frames to the painted lines", Some(done))
-            }
-            MendEvent::Checking(done) => ("Checking doubtful frames", Some(done)),
-            MendEvent::Places(_) => ("Comparing a sample with the painted lines", None),
-            MendEvent::Tracking(_) => ("Tracking the frames that do not fit", None),
-        };
-        Self {
-            step,
-            share: share.map(|share| share.fraction()),
-        }
-    }
+fn step_of(event: &MendEvent) -> OperationStep {
+    let (step, share) = match event {
+        MendEvent::Cuts(done) => ("Looking for cuts", Some(done)),
+        MendEvent::Sampling(done) => ("Comparing a sample with the painted lines", Some(done)),
+        MendEvent::Aligning(_, done) => ("Aligning all frames to the painted lines", Some(done)),
+        MendEvent::Checking(done) => ("Checking doubtful frames", Some(done)),
+        MendEvent::Places(_) => ("Comparing a sample with the painted lines", None),
+        MendEvent::Tracking(_) => ("Tracking the frames that do not fit", None),
+    };
+    OperationStep::new(step, share.map(|share| share.fraction()))
 }
 
 // ---- In the application ----
@@ -139,7 +123,7 @@ impl App {
             Command::MendCameras => self.mend_cameras(),
             Command::StopMending if self.operations.mending.slot.cancel() => {
                 let text = "Mending was stopped; nothing was changed.";
-                self.session.notify(Level::Info, text);
+                self.session.note(text);
             }
             _ => {}
         }
@@ -199,11 +183,9 @@ impl MendingState {
 
     /// The mending under way, with how far it has come.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let progress = self.slot.running()?.progress();
-        let step = progress.map_or("Opening the pictures", |progress| progress.step);
-        let share = progress.and_then(|progress| progress.share);
         let job = "Mending the imported cameras";
-        Some(UnderWay::new(job, step, Command::StopMending).with_share(share))
+        let running = self.slot.running()?;
+        Some(UnderWay::from_running(running, job, Command::StopMending))
     }
 }
 

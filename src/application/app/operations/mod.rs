@@ -43,10 +43,10 @@ pub use shot_search::{FoundShots, ShotSearch};
 use super::effect::Effect;
 #[cfg(test)]
 use super::operation::probe::ProbeState;
+use super::operation::{Operation, Running, Slot};
 use super::{App, Command, Question};
 use base_estimate::BaseEstimateState;
 use base_refinement::BaseRefinementState;
-use bulk_solve::BulkSolveState;
 use burnt_in::BurntInState;
 use camera_search::{CameraSearchState, MatchLabellingState};
 use camera_watch::CameraWatchState;
@@ -56,7 +56,6 @@ use frame_snap::FrameSnapState;
 use line_check::LineChecks;
 use mending::MendingState;
 use new_images::NewImagesState;
-use path_sorting::PathSortingState;
 use picture_check::PictureComparisonState;
 use point_snap::PointSnapState;
 use shot_search::ShotSearchState;
@@ -75,7 +74,7 @@ pub struct Operations {
     /// The refinement of a base on the shot that is shown.
     pub(in crate::app) base_refinement: BaseRefinementState,
     /// Changes after which many frames are solved again.
-    pub bulk_solve: BulkSolveState,
+    pub bulk_solve: Slot<BulkSolving>,
     /// The search for graphics that are burned into the pictures.
     pub(in crate::app) burnt_in: BurntInState,
     /// Autocalibration: the search for a camera from pictures alone.
@@ -95,7 +94,7 @@ pub struct Operations {
     /// The search for images that came to the folders of the document.
     pub(in crate::app) new_images: NewImagesState,
     /// The sorting of dropped paths.
-    pub(in crate::app) path_sorting: PathSortingState,
+    pub(in crate::app) path_sorting: Slot<PathSorting>,
     /// The comparison of the frames' cameras with the painted lines.
     pub(in crate::app) line_checks: LineChecks,
     /// The check whether the pictures on disk are those that the document was made with.
@@ -124,6 +123,27 @@ pub struct UnderWay {
     pub panorama: Option<Arc<SearchedPanorama>>,
 }
 
+/// What an operation does at present.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OperationStep {
+    /// In one sentence.
+    step: String,
+    /// The share of the step that is done, 0 to 1; none if it is unknown.
+    share: Option<f32>,
+    /// The panorama of the camera that is being searched; none while its frames are not matched.
+    panorama: Option<Arc<SearchedPanorama>>,
+}
+
+impl OperationStep {
+    fn new(step: impl Into<String>, share: Option<f32>) -> Self {
+        Self {
+            step: step.into(),
+            share,
+            panorama: None,
+        }
+    }
+}
+
 impl UnderWay {
     pub(super) fn new(job: impl Into<String>, step: impl Into<String>, stop: Command) -> Self {
         Self {
@@ -137,6 +157,20 @@ impl UnderWay {
 
     pub(super) fn with_share(self, share: Option<f32>) -> Self {
         Self { share, ..self }
+    }
+
+    /// Work on pictures at its present step, before the first of which they are opened.
+    fn from_running<O>(running: &Running<O>, job: &str, stop: Command) -> Self
+    where
+        O: Operation<Progress = OperationStep>,
+    {
+        let Some(at) = running.progress() else {
+            return Self::new(job, "Opening the pictures", stop);
+        };
+        Self {
+            panorama: at.panorama.clone(),
+            ..Self::new(job, &at.step, stop).with_share(at.share)
+        }
     }
 }
 

@@ -71,7 +71,7 @@ impl App {
                 "{} not in the folder any more; the labels stay.",
                 images_that(found.gone, "is", "are")
             );
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
         }
         if found.count() > 0 {
             let text = format!(
@@ -107,7 +107,7 @@ impl App {
         self.close_step();
         for (name, error) in &found.left_out {
             let text = format!("Left out: {name}: {error}");
-            self.session.notify(Level::Warning, text);
+            self.session.warn(text);
         }
         let text = format!("{} added.", pluralise(added, "frame"));
         let offers = [("Undo", Command::Undo)];

@@ -38,12 +38,6 @@ pub struct SortedPaths {
     unclear: Option<PathBuf>,
 }
 
-/// The sorting under way.
-#[derive(Debug, Default)]
-pub(in crate::app) struct PathSortingState {
-    slot: Slot<PathSorting>,
-}
-
 impl Operation for PathSorting {
     type Progress = Infallible;
     type Output = SortedPaths;
@@ -56,7 +50,7 @@ impl Operation for PathSorting {
     }
 
     fn slot(app: &mut App) -> &mut Slot<Self> {
-        &mut app.operations.path_sorting.slot
+        &mut app.operations.path_sorting
     }
 
     fn take_over(&self, app: &mut App, result: Result<SortedPaths, Failure<Infallible>>) {
@@ -135,7 +129,7 @@ impl App {
             let more = pluralise(sorted.left_out, "more path");
             let text =
                 format!("{more} left out: give the folder of pictures and one set of labels.");
-            self.session.notify(Level::Warning, text);
+            self.session.warn(text);
         }
         if sorted.labels.is_some() {
             self.waiting_labels = sorted.labels;
@@ -156,7 +150,7 @@ impl App {
             return;
         };
         match self.why_not(Command::Import) {
-            Some(why) => self.session.notify(Level::Warning, why),
+            Some(why) => self.session.warn(why),
             None => self.look_at_labels(labels),
         }
     }

@@ -136,7 +136,7 @@ impl Operation for PictureComparison {
                         1 => format!("The picture of {name} is not the one that was labelled."),
                         count => format!("{count} frames show {text}, the first is {name}."),
                     };
-                    app.session.notify(Level::Warning, text);
+                    app.session.warn(text);
                 }
                 app.operations.picture_comparison.found = found;
             }

@@ -2,7 +2,6 @@
 //! imported.
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
-use crate::app::window_state::session::Level;
 use crate::app::{App, Command, Effect};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -281,7 +280,7 @@ impl App {
             self.journal(&name, EditKind::Step { frame: None });
         }
         if count > 1 {
-            self.session.notify(Level::Info, describe(found));
+            self.session.note(describe(found));
         }
     }
 }

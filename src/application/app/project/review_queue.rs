@@ -10,7 +10,7 @@
 
 use crate::app::App;
 use crate::app::effect::{Beside, Effect};
-use crate::app::window_state::session::{Level, Opening};
+use crate::app::window_state::session::Opening;
 use crate::scene::match_list::MatchState;
 use std::path::{Path, PathBuf};
 use touchline_season::queue::QueuedMatch;
@@ -213,7 +213,7 @@ impl App {
             self.open_match(next);
         } else {
             let text = if forward { LAST_MATCH } else { FIRST_MATCH };
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
         }
     }
 
@@ -271,7 +271,7 @@ impl App {
         let has_next = queue.step(forward);
         if !has_next {
             let text = if forward { END } else { BEGINNING };
-            self.session.notify(Level::Info, text.to_owned());
+            self.session.note(text.to_owned());
             if forward {
                 self.queue = None;
             }

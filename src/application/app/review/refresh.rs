@@ -280,6 +280,7 @@ mod tests {
     use crate::app::review::tests::{frames, opened, review_of};
     use crate::app::review::{Review, ReviewChoice};
     use crate::app::window_state::session::{Session, SidePanel};
+    use strum::IntoEnumIterator as _;
     use touchline_core::geometry::ImageSize;
     use touchline_core::testing::base_at;
     use touchline_documents::document::{Camera, Clip, FrameStatus, Solution, SolutionSource};
@@ -318,7 +319,7 @@ mod tests {
             frame.clip = Some(Clip::Number(1));
             frame.ptz = ptz_at(index as f64, -9.0, 90.0);
         }
-        for order in ReviewOrder::ALL {
+        for order in ReviewOrder::iter() {
             let mut session = Session::default();
             (session.panel, session.review) = (
                 SidePanel::Review,

@@ -145,7 +145,7 @@ impl App {
                     self.begin_waiting_tour();
                 } else {
                     self.session
-                        .notify(Level::Info, format!("{} is already open.", file.display()));
+                        .note(format!("{} is already open.", file.display()));
                 }
             }
             DiskReport::MatchSeen { project, state } => self.take_match_state(&project, *state),
@@ -183,19 +183,16 @@ impl App {
                     *copied = (*copied).max(Some(revision));
                 }
                 self.session
-                    .notify(Level::Info, format!("Copy written: {}", folder.display()));
+                    .note(format!("Copy written: {}", folder.display()));
             }
             DiskReport::ChangedOutside { path, own } => self.handle_outside_change(path, own),
             DiskReport::Outside(outside) => self.merge_outside(&outside),
             DiskReport::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),
             DiskReport::OrphanSaved { document } => {
-                self.session.notify(
-                    Level::Info,
-                    format!(
-                        "The edits were saved as a separate document: {}",
-                        document.display()
-                    ),
-                );
+                self.session.note(format!(
+                    "The edits were saved as a separate document: {}",
+                    document.display()
+                ));
             }
             DiskReport::OrphanPutAway { orphan, renamed } => {
                 self.orphan_put_away(&orphan, &renamed);

@@ -4,7 +4,7 @@ use super::App;
 use crate::app::effect::Effect;
 use crate::app::transfer::TransferTab;
 use crate::app::update::clicking::gold::IN_ROUND;
-use crate::app::window_state::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
+use crate::app::window_state::session::{Dialog, Mode, PictureView, Question, SidePanel};
 use crate::app::{Chord, Command, CommandKind, CommandNeeds, Tool};
 use touchline_documents::document::{EditKind, Frame, FrameStatus};
 
@@ -175,7 +175,7 @@ impl App {
         use Command as C;
         // Checked here, too: a key starts a command also if its menu entry is disabled.
         if let Some(reason) = self.why_not(command) {
-            self.session.notify(Level::Info, reason);
+            self.session.note(reason);
             return;
         }
         let named_automatically = self.session.points.named_automatically;
@@ -472,7 +472,7 @@ impl App {
                 "The last change was here: {}. Press again to {word} it.",
                 step.name
             );
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
             return;
         }
         // The frames' positions may change, so the shown and selected ones are found again by their
@@ -486,8 +486,7 @@ impl App {
             ("Redone", EditKind::Redone)
         };
         self.journal(&format!("{title}: {}", step.name), kind);
-        self.session
-            .notify(Level::Info, format!("{title}: {}.", step.name));
+        self.session.note(format!("{title}: {}.", step.name));
         self.clamp_selection();
     }
 
@@ -537,7 +536,7 @@ impl App {
                 command.name(),
                 loser.name()
             );
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
         }
     }
 }

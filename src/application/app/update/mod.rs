@@ -33,7 +33,7 @@ use super::quality::Quality;
 use super::review::Review;
 use super::{App, Command, OpenProject, Settings};
 use crate::app::panel_values::current::{Current, FreshSolve};
-use crate::app::window_state::session::{Dialog, Level, Mode, Saving};
+use crate::app::window_state::session::{Dialog, Mode, Saving};
 use touchline_calibration::calibrate::{CalibrationError, record_outcome};
 use touchline_core::solve::FrameSolution;
 use touchline_documents::document::{Edit, EditKind, Frame, FrameStatus, Frames, Step};
@@ -197,7 +197,7 @@ impl App {
             return false;
         };
         let text = format!("Read-only: this project is {reason}.");
-        self.session.notify(Level::Warning, text);
+        self.session.warn(text);
         true
     }
 

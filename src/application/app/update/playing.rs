@@ -115,7 +115,7 @@ impl App {
     fn accept_watched(&mut self, frames: &[usize]) {
         if frames.is_empty() {
             let none = "No suggestion was played up to here.";
-            self.session.notify(Level::Info, none);
+            self.session.note(none);
             return;
         }
         if self.accept_together(frames, "suggestion", true) {
@@ -136,7 +136,7 @@ impl App {
                     .min_by_key(|(_, number)| number.abs_diff(wanted));
                 if let Some((_, number)) = nearest.filter(|(_, number)| *number != wanted) {
                     let text = format!("There is no frame {wanted}: the nearest one is {number}.");
-                    self.session.notify(Level::Info, text);
+                    self.session.note(text);
                 }
                 nearest.map(|(position, _)| position)
             }
@@ -163,10 +163,9 @@ impl App {
         self.session.dialog = None;
         match frame {
             Some(frame) => self.go_to(frame),
-            None => self.session.notify(
-                Level::Info,
-                "These frames have no times: type the number of a frame.",
-            ),
+            None => self
+                .session
+                .note("These frames have no times: type the number of a frame."),
         }
     }
 }

@@ -69,7 +69,7 @@ impl App {
                 "Your copy of the demo match has no frame left to try. Delete {} and start the tour again: a new copy is made.",
                 open.folder.display()
             );
-            self.session.notify(Level::Warning, text);
+            self.session.warn(text);
             return;
         };
         self.session.dialog = None;

@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::effect::Effect;
-use crate::app::trainer::{AnswerKey, TrainerOrder, TrainerState, TrainerStatus};
+use crate::app::trainer::{AnswerKey, TrainerOrder, TrainerState, TrainerStatus, TrainerWishes};
 use touchline_documents::document::{Change, Edit};
 
 impl App {
@@ -32,23 +32,16 @@ impl App {
         let version = Some(open.document.version());
         // Each order is sent only if it tells the trainer something new. A new trainer starts
         // unpaused.
-        if trainer.sent_version.is_none() && trainer.paused {
+        let wishes = TrainerWishes {
+            frame: open.frame(self.session.frame).map(|frame| frame.id.clone()),
+            features: trainer.show_features,
+            paused: trainer.paused,
+            snapping: self.settings.snap_suggestions,
+        };
+        if trainer.sent != wishes {
+            trainer.sent = wishes.clone();
             self.effects
-                .push(Effect::Trainer(TrainerOrder::Pause(true)));
-        }
-        if trainer.sent_snapping != self.settings.snap_suggestions {
-            trainer.sent_snapping = self.settings.snap_suggestions;
-            self.effects
-                .push(Effect::Trainer(TrainerOrder::Snap(trainer.sent_snapping)));
-        }
-        let shown = open.frame(self.session.frame).map(|frame| &frame.id);
-        if trainer.sent_frame.as_ref() != shown {
-            trainer.sent_frame = shown.cloned();
-            self.effects.extend(
-                shown
-                    .cloned()
-                    .map(|frame| Effect::Trainer(TrainerOrder::Frame(frame))),
-            );
+                .push(Effect::Trainer(TrainerOrder::Wishes(wishes)));
         }
         if trainer.sent_version != version {
             trainer.sent_version = version;
@@ -89,11 +82,9 @@ impl App {
     }
 
     /// Pauses or resumes the trainer.
-    pub(super) fn pause_trainer(&mut self) {
+    pub(super) const fn pause_trainer(&mut self) {
         let trainer = &mut self.session.trainer;
         trainer.paused = !trainer.paused;
-        self.effects
-            .push(Effect::Trainer(TrainerOrder::Pause(trainer.paused)));
     }
 
     /// Shows or hides the features of the shown frame.
@@ -101,9 +92,6 @@ impl App {
         let trainer = &mut self.session.trainer;
         trainer.show_features = !trainer.show_features;
         trainer.features = None;
-        self.effects.push(Effect::Trainer(TrainerOrder::Features(
-            trainer.show_features,
-        )));
     }
 
     /// The part of the trainer's state that survives when another document is opened.

@@ -61,7 +61,7 @@ pub enum MaskList {
 }
 
 /// The frames that a mask covers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::EnumIter)]
 pub enum MaskScope {
     /// All frames of the camera.
     All,
@@ -78,16 +78,6 @@ pub enum MaskScope {
 }
 
 impl MaskScope {
-    /// All scopes, largest first.
-    pub const ALL: [Self; 6] = [
-        Self::All,
-        Self::Shot,
-        Self::Selected,
-        Self::FromHere,
-        Self::UpToHere,
-        Self::Frame,
-    ];
-
     pub const fn label(self) -> &'static str {
         match self {
             Self::All => "Every frame",
@@ -192,7 +182,7 @@ pub const fn status_label(status: FrameStatus) -> &'static str {
 }
 
 /// The order of the list of suggestions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::IntoStaticStr, strum::EnumIter)]
 pub enum ReviewOrder {
     /// Lowest confidence first.
     #[default]
@@ -210,26 +200,9 @@ pub enum ReviewOrder {
 }
 
 impl ReviewOrder {
-    /// All orders, as the panel lists them.
-    pub const ALL: [Self; 6] = [
-        Self::Confidence,
-        Self::Disagreement,
-        Self::Paint,
-        Self::Moved,
-        Self::Pan,
-        Self::Time,
-    ];
-
     /// The label in the panel.
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Confidence => "Confidence",
-            Self::Disagreement => "Disagreement",
-            Self::Paint => "Paint",
-            Self::Moved => "Moved",
-            Self::Pan => "Pan",
-            Self::Time => "Time",
-        }
+    pub fn label(self) -> &'static str {
+        self.into()
     }
 
     /// The explanation in the panel.

@@ -229,6 +229,16 @@ impl Session {
         self.notify_with(level, text, []);
     }
 
+    /// Shows a message that needs no action.
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.notify(Level::Info, text);
+    }
+
+    /// Shows a message that may need one.
+    pub fn warn(&mut self, text: impl Into<String>) {
+        self.notify(Level::Warning, text);
+    }
+
     /// Shows a message with commands as buttons.
     pub fn notify_with(
         &mut self,

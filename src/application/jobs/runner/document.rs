@@ -180,7 +180,7 @@ pub(super) fn actions_of(report: SaverReport) -> Vec<Action> {
                 })])
                 .collect()
         }
-        SaverReport::Failed { error, .. } => {
+        SaverReport::Failed(error) => {
             vec![Action::Disk(DiskReport::SaveFailed(error.to_string()))]
         }
         SaverReport::ChangedOutside { path, own } => {

@@ -16,7 +16,7 @@ use crate::app::Snapshot;
 use std::path::PathBuf;
 use std::time::Duration;
 use touchline_documents::document::Edit;
-use touchline_documents::store::{DocumentStore, Orphan, Others, Outside, StoreError};
+use touchline_documents::store::{Orphan, Others, Outside, Store, StoreError};
 
 /// Maximum number of waiting reports; beyond it the saver pauses.
 const MOST_REPORTS: usize = 256;
@@ -67,14 +67,9 @@ pub enum SaverReport {
         /// Where the version of another program was moved, if there was one.
         set_aside: Option<PathBuf>,
     },
-    /// The disk refused the journal or the document. Edits after `revision` are only in memory; the
-    /// saver tries again.
-    Failed {
-        /// The last edit on disk, in the journal or the document.
-        revision: Revision,
-        /// Why.
-        error: StoreError,
-    },
+    /// The disk refused the journal or the document. The edits since the last report are only in
+    /// memory; the saver tries again.
+    Failed(StoreError),
     /// Another program changed the document. It is not written until the user decides between the
     /// versions. Edits are still journaled.
     ChangedOutside {
@@ -132,7 +127,7 @@ impl Saver {
     /// # Errors
     /// The operating system gives no thread.
     pub fn start(
-        store: impl DocumentStore + 'static,
+        store: Store,
         opened: Snapshot,
         options: SaverOptions,
         wake: Wake,
@@ -143,7 +138,7 @@ impl Saver {
             mailbox,
             |message| SaverReport::Broken { message },
             move |mailbox| {
-                Work::new(Box::new(store), opened, options, mailbox).run();
+                Work::new(store, opened, options, mailbox).run();
             },
         )?;
         Ok(Self { worker })

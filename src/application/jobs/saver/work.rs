@@ -6,11 +6,11 @@ use crate::jobs::worker::{Mailbox, WaitOutcome};
 use std::path::PathBuf;
 use std::time::Instant;
 use touchline_documents::document::Edit;
-use touchline_documents::store::{DocumentStore, Others, StoreError};
+use touchline_documents::store::{Others, Store, StoreError};
 
 /// The state of the saver's thread.
 pub(super) struct Work<'a> {
-    store: Box<dyn DocumentStore>,
+    store: Store,
     /// The newest document.
     latest: Snapshot,
     /// The last edit on disk, in the journal or the document.
@@ -32,7 +32,7 @@ pub(super) struct Work<'a> {
 
 impl<'a> Work<'a> {
     pub(super) fn new(
-        store: Box<dyn DocumentStore>,
+        store: Store,
         opened: Snapshot,
         options: SaverOptions,
         mailbox: &'a Mailbox<Orders, SaverReport>,
@@ -167,10 +167,7 @@ impl<'a> Work<'a> {
             // seconds, would only repeat the message.
             Err(error) => {
                 if !self.journal_refused {
-                    self.report(SaverReport::Failed {
-                        revision: self.journaled_revision,
-                        error,
-                    });
+                    self.report(SaverReport::Failed(error));
                 }
                 self.journal_refused = true;
             }
@@ -193,10 +190,7 @@ impl<'a> Work<'a> {
                 self.behind_since = self.behind_since.map(|_| Instant::now());
                 match error {
                     StoreError::ChangedOutside { path } => self.keep_own(path),
-                    error => self.report(SaverReport::Failed {
-                        revision: self.journaled_revision,
-                        error,
-                    }),
+                    error => self.report(SaverReport::Failed(error)),
                 }
             }
         }
@@ -209,10 +203,7 @@ impl<'a> Work<'a> {
             .store
             .keep_own(&self.latest.document)
             .unwrap_or_else(|error| {
-                self.report(SaverReport::Failed {
-                    revision: self.journaled_revision,
-                    error,
-                });
+                self.report(SaverReport::Failed(error));
                 None
             });
         self.without_own = own.is_none().then(|| path.clone());
@@ -241,10 +232,7 @@ impl<'a> Work<'a> {
             Ok(Some(outside)) => self.report(SaverReport::Outside(Box::new(outside))),
             // The file has been restored to what the saver wrote.
             Ok(None) => self.save(Others::Stay),
-            Err(error) => self.report(SaverReport::Failed {
-                revision: self.journaled_revision,
-                error,
-            }),
+            Err(error) => self.report(SaverReport::Failed(error)),
         }
     }
 

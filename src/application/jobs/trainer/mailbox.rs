@@ -1,7 +1,7 @@
 //! The orders of the trainer, and its reports.
 
 use super::TrainerReport;
-use crate::app::{AnswerKey, TrainerActivity, TrainerOrder, TrainerStatus};
+use crate::app::{AnswerKey, TrainerActivity, TrainerOrder, TrainerStatus, TrainerWishes};
 use crate::jobs::worker::Mailbox;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{
     Proposal, RefusedForests, TrackedProposal, TrainingFrames, TrainingSet, UsedFeatures,
 };
-use touchline_documents::document::{Document, FrameId};
+use touchline_documents::document::Document;
 
 /// Minimum time between two reports of mere progress.
 const TELL_EVERY: Duration = Duration::from_millis(200);
@@ -27,14 +27,8 @@ pub(super) struct Orders {
     pub(super) shown: Vec<AnswerKey>,
     /// Answers that the user discarded since then.
     pub(super) refused: Vec<RefusedForests>,
-    /// The shown frame.
-    pub(super) frame: Option<FrameId>,
-    /// Whether to report the features of the shown frame.
-    pub(super) features: bool,
-    /// Whether the trainer rests.
-    pub(super) paused: bool,
-    /// Whether proposals are aligned to the painted lines.
-    pub(super) snapping: bool,
+    /// How the trainer works.
+    pub(super) wishes: TrainerWishes,
     /// Number of orders received so far.
     pub(super) number: u64,
 }
@@ -53,10 +47,7 @@ impl Orders {
             }
             TrainerOrder::Shown(keys) => self.shown.extend(keys),
             TrainerOrder::Refused(refused) => self.refused.push(refused),
-            TrainerOrder::Frame(frame) => self.frame = Some(frame),
-            TrainerOrder::Features(wanted) => self.features = wanted,
-            TrainerOrder::Pause(paused) => self.paused = paused,
-            TrainerOrder::Snap(snapping) => self.snapping = snapping,
+            TrainerOrder::Wishes(wishes) => self.wishes = wishes,
         }
         None
     }
@@ -239,7 +230,7 @@ impl<'a> Watch<'a> {
             let document = (orders.edition != *looked_at)
                 .then(|| orders.document.clone())
                 .flatten();
-            (!orders.paused).then_some((orders.edition, document))
+            (!orders.wishes.paused).then_some((orders.edition, document))
         });
         let Some(Some((edition, document))) = news else {
             return false;

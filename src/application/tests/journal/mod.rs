@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use touchline_core::geometry::ImagePoint;
 use touchline_core::testing::HD;
 use touchline_documents::document::{Click, Document, Edit};
-use touchline_documents::store::{Access, DocumentStore as _, Opened, Store, open};
+use touchline_documents::store::{Access, Opened, Store, open};
 use touchline_documents::testing::{WithFrames, soccer_document};
 
 fn document(frames: usize) -> Document {

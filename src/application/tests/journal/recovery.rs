@@ -5,9 +5,7 @@ use super::{Project, click, document, new_project, open_project, total_clicks};
 use std::fs;
 use touchline_core::geometry::ImagePoint;
 use touchline_documents::document::{Click, Edit, History};
-use touchline_documents::store::{
-    DocumentStore as _, Location, Opened, open, read, write_document,
-};
+use touchline_documents::store::{Location, Opened, open, read, write_document};
 
 #[test]
 fn a_journal_cut_at_any_byte_brings_back_every_edit_up_to_the_cut() {

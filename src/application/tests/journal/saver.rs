@@ -139,7 +139,7 @@ fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
         snapshot(&after, 1),
     );
     let message = wait_for(&saver, |report| match report {
-        SaverReport::Failed { error, .. } => Some(error.to_string()),
+        SaverReport::Failed(error) => Some(error.to_string()),
         _ => None,
     });
     assert!(

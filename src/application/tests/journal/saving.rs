@@ -4,9 +4,7 @@
 use super::{click, document, new_project, open_project, total_clicks};
 use std::fs;
 use touchline_documents::document::{Edit, History};
-use touchline_documents::store::{
-    Access, DocumentStore as _, Location, ReadOnly, Store, StoreError, open, read,
-};
+use touchline_documents::store::{Access, Location, ReadOnly, Store, StoreError, open, read};
 
 #[test]
 fn saving_keeps_the_last_version_and_restarts_the_journal() {

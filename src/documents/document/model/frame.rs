@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use strum::{EnumString, IntoStaticStr, VariantArray};
 use touchline_core::camera::CameraBase;
 use touchline_core::geometry::{ImageSize, PixelBox};
 use touchline_vision::media::FrameRef;
@@ -138,10 +139,24 @@ pub struct VideoFrame {
 
 /// How far a frame has come.
 #[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    EnumString,
+    IntoStaticStr,
+    VariantArray,
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum FrameStatus {
     /// Not looked at yet.
     #[default]
@@ -158,28 +173,18 @@ pub enum FrameStatus {
 
 impl FrameStatus {
     /// Every status, in the order in which a frame goes through them.
-    pub const ALL: [Self; 5] = [
-        Self::New,
-        Self::Draft,
-        Self::Suggested,
-        Self::Reference,
-        Self::Rejected,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 
     /// The name in documents.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::New => "new",
-            Self::Draft => "draft",
-            Self::Suggested => "suggested",
-            Self::Reference => "reference",
-            Self::Rejected => "rejected",
-        }
+    pub fn as_str(self) -> &'static str {
+        self.into()
     }
 }
 
 /// Why a frame is not calibratable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, VariantArray,
+)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RejectReason {
@@ -199,14 +204,7 @@ pub enum RejectReason {
 
 impl RejectReason {
     /// Every reason, in the order of the window's keys 1 to 6.
-    pub const ALL: [Self; 6] = [
-        Self::CloseUp,
-        Self::Replay,
-        Self::OtherCamera,
-        Self::Graphic,
-        Self::Blur,
-        Self::TooLittleField,
-    ];
+    pub const ALL: &[Self] = Self::VARIANTS;
 }
 
 /// The name of a shot: a number or a word.

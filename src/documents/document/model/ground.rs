@@ -27,10 +27,22 @@ pub struct Ground {
 
 /// What places on the ground that are taken from a frame's picture can be used for.
 #[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    strum::IntoStaticStr,
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum GroundGrade {
     /// Neither is known.
     #[default]
@@ -43,11 +55,7 @@ pub enum GroundGrade {
 
 impl GroundGrade {
     /// Its name in documents and tables.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Map => "map",
-            Self::Speed => "speed",
-        }
+    pub fn as_str(self) -> &'static str {
+        self.into()
     }
 }

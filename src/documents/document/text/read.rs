@@ -7,8 +7,8 @@ use crate::document::{
     Shared, Shot, StoredClickNoise,
 };
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
+use serde_path_to_error::Segment;
 use thiserror::Error;
 use touchline_core::files::plain;
 
@@ -319,178 +319,47 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
     if let Err(header) = check_header(&value["format"], &value["version"]) {
         return header;
     }
-    let (place, message) =
-        place(&value).unwrap_or_else(|| ("the document".to_owned(), message_of(error)));
     ReadError::Schema {
-        place: plain(&place),
-        message: plain(&message),
+        place: plain(&place(text, &value)),
+        message: plain(&message_of(error)),
         line: error.line(),
         column: error.column(),
     }
 }
 
-/// The place and message of the first violation of the schema.
-fn place(document: &Value) -> Option<(String, String)> {
-    // In the order of the schema. A failure elsewhere, such as a missing list, has no place here,
-    // and the caller reports the parser's message for the document as a whole.
-    document
-        .get("field")
-        .and_then(|field| find_failure(field, "field", &misfit::<FieldSpec>))
-        .or_else(|| violation_in::<Camera>(document, "cameras", Some("id")))
-        .or_else(|| violation_in::<Frame>(document, "frames", Some("image")))
-        .or_else(|| violation_in::<Shot>(document, "shots", None))
-}
-
-/// The first violation in one of the document's lists. `name` is the key that names an element.
-fn violation_in<T: DeserializeOwned>(
-    document: &Value,
-    list: &str,
-    name: Option<&str>,
-) -> Option<(String, String)> {
-    elements(document, list).find_map(|(index, element)| {
-        let (place, message) = find_failure(element, &format!("{list}[{index}]"), &misfit::<T>)?;
-        Some((place_with_name(place, element, name), message))
-    })
-}
-
-/// Why a value is no `T`; none if it is one.
-fn misfit<T: DeserializeOwned>(value: &Value) -> Option<String> {
-    T::deserialize(value).err().map(|error| error.to_string())
-}
-
-fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, &'a Value)> {
-    document
-        .get(key)
-        .and_then(Value::as_array)
-        .into_iter()
-        .flatten()
-        .enumerate()
-}
-
-fn place_with_name(place: String, value: &Value, key: Option<&str>) -> String {
-    match key.and_then(|key| value.get(key)?.as_str()) {
+/// The place of the first violation of the schema: its keys, and the name of its camera or frame.
+fn place(text: &str, document: &Value) -> String {
+    let reader = &mut serde_json::Deserializer::from_str(text);
+    let Err(error) = serde_path_to_error::deserialize::<_, DocumentJson>(reader) else {
+        return "the document".to_owned();
+    };
+    // A list of numbers, such as a point, is at fault as a whole; a list of objects is followed to
+    // the one that is.
+    let (mut place, mut name, mut value) = (String::new(), None, Some(document));
+    for segment in error.path() {
+        match segment {
+            Segment::Map { key } => {
+                let dot = if place.is_empty() { "" } else { "." };
+                place += &format!("{dot}{key}");
+                value = value.and_then(|value| value.get(key));
+            }
+            Segment::Seq { index } if name.is_none() || value.is_some_and(is_list_of_objects) => {
+                place += &format!("[{index}]");
+                value = value.and_then(|value| value.get(index));
+                name = name.or(value);
+            }
+            _ => break,
+        }
+    }
+    let name = name.and_then(|element| element.get("image").or_else(|| element.get("id")));
+    match name.and_then(Value::as_str) {
+        _ if place.is_empty() => "the document".to_owned(),
         Some(name) => format!("{place} ({name})"),
         None => place,
     }
 }
 
-/// Maximum number of values inspected to locate an error. A file may have any number; beyond the
-/// limit, the place known so far is reported.
-const MOST_LOOKS: usize = 1_000_000;
-
-/// The place and message of a failure within a value; none if it is valid.
-fn find_failure(
-    value: &Value,
-    place: &str,
-    fails: &dyn Fn(&Value) -> Option<String>,
-) -> Option<(String, String)> {
-    let mut looks = MOST_LOOKS;
-    descend(
-        &Part {
-            value,
-            place,
-            around: 0,
-        },
-        &mut looks,
-        fails,
-    )
-}
-
-/// A part of a value that fails.
-struct Part<'a> {
-    value: &'a Value,
-    place: &'a str,
-    /// The number of other values that are inspected together with it.
-    around: usize,
-}
-
-/// Follows a failure down to the key whose removal changes the error.
-///
-/// The types of inner values are not known here. So `fails` always reads the outermost type, a
-/// camera or a frame, with an inner value exchanged, and the messages of two readings are compared.
-/// This finds the place for any type without a word about it here, at the price of a copy of the
-/// object for each key: hence the budget `looks`.
-fn descend(
-    part: &Part,
-    looks: &mut usize,
-    fails: &dyn Fn(&Value) -> Option<String>,
-) -> Option<(String, String)> {
-    let &Part {
-        value,
-        place,
-        around,
-    } = part;
-    let message = fails(value)?;
-    match value {
-        Value::Object(map) => {
-            let size = count(value);
-            for (index, (key, inner)) in map.iter().enumerate() {
-                if !may_inspect(around + size, looks) {
-                    break;
-                }
-                // The key is at fault if the error changes when it is removed.
-                let mut without = map.clone();
-                without.shift_remove(key);
-                if fails(&Value::Object(without.clone())).as_ref() == Some(&message) {
-                    continue;
-                }
-                // The inner value returns to its old index: the order of keys decides which of
-                // several errors is reported first.
-                let with = |inner: &Value| {
-                    let mut map = without.clone();
-                    map.shift_insert(index, key.clone(), inner.clone());
-                    fails(&Value::Object(map))
-                };
-                // The value as a whole may be wrong, such as a list that is too long.
-                let within = format!("{place}.{key}");
-                let part = Part {
-                    value: inner,
-                    place: &within,
-                    around: around + size - count(inner),
-                };
-                return descend(&part, looks, &with).or(Some((within, message)));
-            }
-        }
-        // A list of objects is followed into the first one that fails by itself. A list of numbers,
-        // such as a point, is reported as a whole.
-        Value::Array(items) if items.iter().all(Value::is_object) => {
-            let alone = |inner: &Value| fails(&Value::Array(vec![inner.clone()]));
-            for (index, inner) in items.iter().enumerate() {
-                if !may_inspect(around + count(inner), looks) {
-                    break;
-                }
-                if alone(inner).is_some() {
-                    let within = format!("{place}[{index}]");
-                    return descend(
-                        &Part {
-                            value: inner,
-                            place: &within,
-                            around,
-                        },
-                        looks,
-                        &alone,
-                    );
-                }
-            }
-        }
-        _ => {}
-    }
-    Some((place.to_owned(), message))
-}
-
-/// Whether this many more values may be inspected. They are subtracted from those left.
-fn may_inspect(values: usize, looks: &mut usize) -> bool {
-    // What exceeds the budget also ends it, so that no smaller value is inspected afterwards.
-    let left = looks.checked_sub(values);
-    *looks = left.unwrap_or(0);
-    left.is_some()
-}
-
-/// The number of values in a value, itself included.
-fn count(value: &Value) -> usize {
-    1 + match value {
-        Value::Array(items) => items.iter().map(count).sum(),
-        Value::Object(map) => map.values().map(count).sum(),
-        _ => 0,
-    }
+fn is_list_of_objects(value: &Value) -> bool {
+    let items = value.as_array();
+    items.is_some_and(|items| items.iter().all(Value::is_object))
 }

@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
+use strum::VariantArray as _;
 use touchline_core::geometry::hex;
 
 /// The key under which a package has its record.
@@ -16,7 +17,8 @@ pub(super) const KEY: &str = "package";
 const HASH_DIGITS: usize = 32;
 
 /// A part of a document beside its cameras and frames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::IntoStaticStr, strum::VariantArray)]
+#[strum(serialize_all = "snake_case")]
 pub(super) enum Part {
     Field,
     Shots,
@@ -26,24 +28,6 @@ pub(super) enum Part {
 }
 
 impl Part {
-    pub(super) const ALL: [Self; 5] = [
-        Self::Field,
-        Self::Shots,
-        Self::ClickNoise,
-        Self::Conventions,
-        Self::Extra,
-    ];
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Field => "field",
-            Self::Shots => "shots",
-            Self::ClickNoise => "click_noise",
-            Self::Conventions => "conventions",
-            Self::Extra => "extra",
-        }
-    }
-
     /// The hash of this part of a document.
     pub(super) fn hash(self, document: &Document) -> String {
         match self {
@@ -105,7 +89,7 @@ pub(super) struct Given {
 impl Given {
     /// Whether a part of a document is as it was given away.
     pub(super) fn is_same(&self, part: Part, document: &Document) -> bool {
-        let given = self.parts.get(part.name()).and_then(Value::as_str);
+        let given = self.parts.get(<&str>::from(part)).and_then(Value::as_str);
         given == Some(part.hash(document).as_str())
     }
 }
@@ -126,9 +110,9 @@ impl PackageRecord {
             let hash = Value::from(hash_of_camera(camera));
             (camera.id.as_str().to_owned(), hash)
         });
-        let mut given: Map<String, Value> = Part::ALL
-            .into_iter()
-            .map(|part| (part.name().to_owned(), part.hash(package).into()))
+        let mut given: Map<String, Value> = Part::VARIANTS
+            .iter()
+            .map(|part| (<&str>::from(part).to_owned(), part.hash(package).into()))
             .collect();
         given.insert("cameras".to_owned(), Value::Object(cameras.collect()));
         given.insert("frames".to_owned(), Value::Object(frames.collect()));

@@ -16,6 +16,7 @@ use crate::document::{Camera, CameraId, Document, FieldSpec, Frame};
 use serde_json::Map;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
+use strum::VariantArray as _;
 
 /// What recognises the pictures of two frames wherever their files lie, where both have it: the
 /// SHA-256 of the images, else the identities of the videos.
@@ -315,8 +316,8 @@ impl Restored {
                 Some(_) | None => self.dispute_camera(&camera.id),
             }
         }
-        for part in Part::ALL {
-            self.dispute(part);
+        for part in Part::VARIANTS {
+            self.dispute(*part);
         }
     }
 }

@@ -13,36 +13,29 @@ use crate::exchange::imports::imported::Imported;
 use crate::exchange::options::ImportOptions;
 use crate::exchange::registry::refuse_not_taken;
 use std::path::Path;
+use strum::{EnumString, IntoStaticStr, VariantArray};
 
 /// A layout of files with points of a model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[non_exhaustive]
 pub enum PointLayout {
     /// `PnLCalib`'s and No Bells Just Whistles' points and lines, one JSON file a picture.
+    #[strum(serialize = "pnlcalib")]
     PnlCalib,
     /// Predictions of Ultralytics' pose models.
     YoloPose,
     /// COCO keypoints or results with a probability as the third number of a point.
     Coco,
-    /// A JSON map: picture, label, point.
-    JsonMap,
     /// `inference`'s JSON, one file a picture.
     RfDetr,
+    /// A JSON map: picture, label, point.
+    JsonMap,
     /// A table: frame, label, x, y, and p or `sigma_px`.
     Table,
 }
 
 impl PointLayout {
-    /// Every layout, in the order of the help.
-    pub const ALL: [Self; 6] = [
-        Self::PnlCalib,
-        Self::YoloPose,
-        Self::Coco,
-        Self::RfDetr,
-        Self::JsonMap,
-        Self::Table,
-    ];
-
     fn reader(self) -> &'static dyn ClickFormat {
         match self {
             Self::PnlCalib => &PnlCalibPoints,
@@ -56,7 +49,7 @@ impl PointLayout {
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        self.reader().about().name
+        self.into()
     }
 
     /// Refuses options that it does not take.

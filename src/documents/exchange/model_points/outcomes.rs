@@ -2,14 +2,14 @@
 
 use crate::document::{Click, ClickOrigin, DocumentAt, Fields, Frame, FrameStatus, Target};
 use serde_json::{Map, Value, json};
-use std::fmt;
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::{FieldError, FieldModel};
 use touchline_core::geometry::ImagePoint;
 use touchline_core::solve::Observation;
 
 /// What became of a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, strum::Display)]
+#[strum(serialize_all = "snake_case")]
 pub enum PointOutcome {
     /// No person has decided on its frame.
     Open,
@@ -24,17 +24,6 @@ pub enum PointOutcome {
 }
 
 impl PointOutcome {
-    /// Its name in files.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Open => "open",
-            Self::Accepted => "accepted",
-            Self::Moved => "moved",
-            Self::Refused => "refused",
-            Self::FrameRejected => "frame_rejected",
-        }
-    }
-
     /// What became of a click of a frame.
     fn from_click(frame: &Frame, index: usize, click: &Click) -> Self {
         let disputed = frame.solution.as_ref().map(|solution| &solution.disputed);
@@ -47,12 +36,6 @@ impl PointOutcome {
             FrameStatus::Reference => Self::Accepted,
             FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested => Self::Open,
         }
-    }
-}
-
-impl fmt::Display for PointOutcome {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
     }
 }
 
@@ -124,7 +107,7 @@ fn describe(
     let mut entry = Map::new();
     let mut set = |key: &str, value: Value| entry.insert(key.to_owned(), value);
     set("model", json!(origin.model()));
-    set("outcome", json!(outcome.as_str()));
+    set("outcome", json!(outcome.to_string()));
     set("given_px", pair(given));
     if let Some(label) = &origin.label {
         set("label", json!(label));

@@ -5,7 +5,7 @@
 use super::{Access, Opened, Recovery, Store, open};
 use crate::document::{Document, EditKind, History, Merged, document_to_string, join_result};
 use crate::store::atomic::write_new_as;
-use crate::store::{DocumentStore as _, Location, StoreError};
+use crate::store::{Location, StoreError};
 use std::path::Path;
 
 /// A document that was read in order to be written. No other instance of this program can write it

@@ -7,12 +7,13 @@
 //! document in the journal, write its history, replace the file, restart the journal.
 
 mod contents;
-mod contract;
+mod edits;
 mod for_writing;
 mod opening;
 mod recovery;
 mod unopened;
 
+pub use edits::{Others, Outside};
 pub use for_writing::{OpenForWriting, open_for_writing};
 pub use opening::{Access, Opened, open, read, read_with_state};
 pub use recovery::Recovery;

@@ -5,6 +5,7 @@ use super::parts::{cameras_of, line, notes, show_left_out_frames};
 use crate::ui::Panel;
 use crate::ui::controls::theme::Themed as _;
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
+use strum::VariantArray as _;
 use touchline_application::app::Action;
 use touchline_application::app::transfer::{PreviewResult, TransferAction, describe_bytes};
 use touchline_core::geometry::pluralise;
@@ -38,15 +39,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.checkbox(&mut replace, "replace a dataset that is there")
             .on_hover_text(tip);
         if replace != transfer.replace {
-            panel
-                .actions
-                .push(Action::Transfer(TransferAction::Replace(replace)));
+            panel.act(Action::Transfer(TransferAction::Replace(replace)));
         }
     });
     if options != transfer.dataset {
-        panel
-            .actions
-            .push(Action::Transfer(TransferAction::Dataset(Box::new(options))));
+        panel.act(Action::Transfer(TransferAction::Dataset(Box::new(options))));
     }
     ui.separator();
     let Some(found) = &transfer.found else { return };
@@ -124,13 +121,13 @@ fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
                     .on_hover_text(format!("Share of {split}"));
             }
             ui.label("by");
-            let shown = splitting.by.name();
+            let shown = <&str>::from(splitting.by);
             let combo = ComboBox::from_id_salt("split by")
                 .width(90.0)
                 .selected_text(shown)
                 .show_ui(ui, |ui| {
-                    for by in SplitBy::ALL {
-                        ui.selectable_value(&mut splitting.by, by, by.name());
+                    for by in SplitBy::VARIANTS {
+                        ui.selectable_value(&mut splitting.by, *by, by.to_string());
                     }
                 });
             combo.response.on_hover_text("What is never split.");
@@ -173,13 +170,13 @@ fn show_plan(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
         .show(ui, |ui| {
             if options.splitting.is_some() {
                 for (split, count) in Split::ALL.into_iter().zip(plan.counts()) {
-                    ui.label(RichText::new(split.as_str()).color(palette.weak));
+                    ui.label(RichText::new(split.to_string()).color(palette.weak));
                     ui.label(count.to_string());
                     ui.end_row();
                 }
             }
             for (origin, count) in plan.origins() {
-                ui.label(RichText::new(origin.as_str().replace('_', " ")).color(palette.weak));
+                ui.label(RichText::new(origin.to_string().replace('_', " ")).color(palette.weak));
                 ui.label(count.to_string());
                 ui.end_row();
             }

@@ -8,6 +8,7 @@ use crate::ui::Panel;
 use crate::ui::controls::theme;
 use crate::ui::controls::theme::{Themed as _, section};
 use egui::{Align, Button, Id, Layout, RichText, ScrollArea, TextEdit, TextStyle, Ui, vec2};
+use strum::IntoEnumIterator as _;
 use touchline_application::app::transfer::{
     FormatGroup, PreviewResult, TransferAction, describe_survey, formats_in, group_and_name,
     in_dialog,
@@ -31,9 +32,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
     let last = panel.app.settings.formats.clone();
     ui.horizontal_top(|ui| {
         if let Some(format) = list(ui, chosen, &last, Format::exports) {
-            panel
-                .actions
-                .push(Action::Transfer(TransferAction::Format(format)));
+            panel.act(Action::Transfer(TransferAction::Format(format)));
         }
         ui.separator();
         ui.vertical(|ui| {
@@ -44,9 +43,7 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
             frames(ui, &mut options.frames, &cameras_of(panel.app));
             export_options(ui, chosen, &mut options);
             if options != *before {
-                panel
-                    .actions
-                    .push(Action::Transfer(TransferAction::Export(Box::new(options))));
+                panel.act(Action::Transfer(TransferAction::Export(Box::new(options))));
             }
             ui.separator();
             ScrollArea::vertical()
@@ -62,9 +59,7 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.operations.transfer.import_format;
     ui.horizontal_top(|ui| {
         if let Some(format) = list(ui, chosen, &[], Format::imports) {
-            panel
-                .actions
-                .push(Action::Transfer(TransferAction::ImportFormat(format)));
+            panel.act(Action::Transfer(TransferAction::ImportFormat(format)));
         }
         ui.separator();
         ui.vertical(|ui| {
@@ -74,9 +69,7 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
             let mut options = before.clone();
             import_options(ui, chosen, &mut options);
             if options != *before {
-                panel
-                    .actions
-                    .push(Action::Transfer(TransferAction::Import(Box::new(options))));
+                panel.act(Action::Transfer(TransferAction::Import(Box::new(options))));
             }
             ui.separator();
             show_import_preview(panel, ui);
@@ -119,7 +112,7 @@ fn list(ui: &mut Ui, chosen: Format, last: &[String], goes: fn(Format) -> bool) 
                     .take(LAST_USED)
                     .collect();
                 group(ui, "Last used", &last);
-                for of in FormatGroup::ALL {
+                for of in FormatGroup::iter() {
                     let formats = formats_in(of, &typed, goes);
                     group(ui, of.title(), &formats);
                 }

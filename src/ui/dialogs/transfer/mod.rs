@@ -81,9 +81,7 @@ fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .on_hover_text(tip)
                 .on_disabled_hover_text(why_not.unwrap_or_default());
             if button.clicked() && !is_shown {
-                panel
-                    .actions
-                    .push(Action::Transfer(TransferAction::Tab(tab)));
+                panel.act(Action::Transfer(TransferAction::Tab(tab)));
             }
         }
     });
@@ -95,7 +93,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     let transfer = &panel.app.operations.transfer;
     let (tab, is_looking) = (transfer.tab, transfer.is_looking());
     let is_ready = parts::is_ready(transfer);
-    let mut push = |action| panel.actions.push(Action::Transfer(action));
+    let mut push = |action| panel.act(Action::Transfer(action));
     // While a dataset or export is written, it can only be stopped.
     if let Some(running) = transfer.writing() {
         let written = running.progress().copied();

@@ -20,7 +20,7 @@ pub(super) fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
             .small();
         let tip = "Another program changed the document. It is not written until you choose which version to keep.";
         if show_button(ui, choose, tip) {
-            panel.actions.push(Action::AskOutside);
+            panel.act(Action::AskOutside);
         }
     }
     match &panel.app.session.disk.saving {

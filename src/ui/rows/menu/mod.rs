@@ -22,6 +22,7 @@ use egui::{
     Align, Button, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response, Role,
     TextStyle, Ui, WidgetInfo, vec2,
 };
+use strum::IntoEnumIterator as _;
 use touchline_application::app::session::SidePanel;
 use touchline_application::app::{Action, App, Command, MenuGroup, Tool};
 use touchline_application::scene;
@@ -31,11 +32,12 @@ use touchline_documents::document::{Click, Frame};
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let opens = is_menu_key(panel.app, ui);
     egui::MenuBar::new().ui(ui, |ui| {
-        let titles = MenuGroup::ALL.map(|group| {
+        let titles = MenuGroup::iter().map(|group| {
             ui.menu_button(group.title(), |ui| menu(panel, ui, group))
                 .response
                 .on_hover_text(tip(group))
         });
+        let titles: Vec<Response> = titles.collect();
         if let Some(title) = title_to_open(ui, &titles, opens) {
             title.request_focus();
             egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(title));
@@ -224,7 +226,7 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
                     Button::new(document_name(&document.file)),
                     document.file.display().to_string(),
                 ) {
-                    panel.actions.push(Action::Open(document.file.clone()));
+                    panel.act(Action::Open(document.file.clone()));
                     ui.close();
                 }
             }

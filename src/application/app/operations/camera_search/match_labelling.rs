@@ -3,10 +3,10 @@
 //! The result is one step of undo. *Stop* keeps what is found, and the same command goes on from
 //! there, because finished parts of the work are kept beside the document.
 
-use super::search_step::{SearchStep, SearchSteps};
+use super::search_step::SearchSteps;
 use super::{CameraSearch, SearchFollowUp, why_no_search_of_sport};
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
-use crate::app::operations::UnderWay;
+use crate::app::operations::{OperationStep, UnderWay};
 use crate::app::window_state::session::Level;
 use crate::app::{App, Command};
 use std::ops::ControlFlow;
@@ -72,13 +72,16 @@ struct StoppedLabelling<'a> {
 // ---- The work ----
 
 impl Operation for MatchLabelling {
-    type Progress = SearchStep;
+    type Progress = OperationStep;
     type Output = LabelledDocument;
     type Error = LabelMatchError;
 
     const NAME: &'static str = "label a match";
 
-    fn run(&self, context: &Context<'_, SearchStep>) -> Result<LabelledDocument, LabelMatchError> {
+    fn run(
+        &self,
+        context: &Context<'_, OperationStep>,
+    ) -> Result<LabelledDocument, LabelMatchError> {
         let mut reader = context.open_reader();
         let mut document = self.document.clone();
         let options = MatchOptions {
@@ -122,7 +125,7 @@ impl Operation for MatchLabelling {
             Err(Failure::Failed(LabelMatchError::Search(AutocalibrationError::Stopped))) => {
                 let text = "Stopped before a camera was found; nothing was changed. The same \
                             command goes on from here.";
-                app.session.notify(Level::Info, text);
+                app.session.note(text);
             }
             Err(failure) => {
                 let text = format!("The cameras were not found: {failure}.");
@@ -148,7 +151,7 @@ impl MatchLabelling {
             NoCamera::Abstained { why, clicks } => AutocalibrationAnswer::Abstained { why, clicks },
             NoCamera::Before { message, .. } => {
                 let why = format!("No camera was found: {message}.");
-                app.session.notify(Level::Warning, why.clone());
+                app.session.warn(why.clone());
                 app.operations.camera_search.left = SearchFollowUp::Abstained {
                     camera: self.camera.clone(),
                     why,
@@ -324,7 +327,7 @@ impl MatchLabellingState {
     pub(in crate::app::operations) fn under_way(&self) -> Option<UnderWay> {
         let running = self.slot.running()?;
         let job = "Finding the cameras of the video";
-        let mut card = SearchStep::under_way(running.progress(), job, Command::StopFindCameras);
+        let mut card = UnderWay::from_running(running, job, Command::StopFindCameras);
         if running.operation().ends_early.load(Ordering::Relaxed) {
             "Ending".clone_into(&mut card.step);
         }
@@ -357,20 +360,13 @@ fn describe_labelled(document: &Document, labelled: &LabelledMatch) -> String {
 mod tests {
     use super::*;
     use crate::app::{Action, ViewAction};
-    use touchline_core::geometry::ImageSize;
     use touchline_core::testing::base_at;
-    use touchline_documents::testing::{WithFrames, new_video_frame, ptz_at, soccer_document};
-
-    const SIZE: ImageSize = ImageSize::new(64, 36);
+    use touchline_documents::testing::{SMALL, WithFrames, a_match, new_video_frame, ptz_at};
 
     /// An application with twelve frames of a video, of which nothing is known.
     fn app() -> App {
-        let mut document = soccer_document();
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
-        let frames = (0..12).map(|index| new_video_frame("match.mp4", index, SIZE));
-        App::with_document(document.with_frames(frames))
+        let frames = (0..12).map(|index| new_video_frame("match.mp4", index, SMALL));
+        App::with_document(a_match(SMALL).with_frames(frames))
     }
 
     /// The work of the command.
@@ -414,7 +410,7 @@ mod tests {
             is_stopped: true,
         };
         let labels = MatchLabels::Labelled(labelled);
-        document.cameras[0].set_base(&base_at([1.0, -62.0, 17.0], SIZE));
+        document.cameras[0].set_base(&base_at([1.0, -62.0, 17.0], SMALL));
         app.operations.match_labelling.slot.cancel();
         work.take_over(&mut app, Ok(LabelledDocument { document, labels }));
         let found = (*app.open().unwrap().document).clone();

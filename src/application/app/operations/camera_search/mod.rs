@@ -10,12 +10,12 @@ mod two_cameras;
 mod words;
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
-use crate::app::operations::UnderWay;
+use crate::app::operations::{OperationStep, UnderWay};
 use crate::app::window_state::session::{Dialog, Level};
 use crate::app::{App, Command};
 pub(in crate::app) use match_labelling::MatchLabellingState;
 pub use match_labelling::{LabelledDocument, MatchLabelling};
-pub use search_step::{SearchStep, SearchSteps};
+pub use search_step::SearchSteps;
 use std::path::PathBuf;
 use std::sync::Arc;
 use touchline_calibration::autocalibrate::{
@@ -77,7 +77,7 @@ pub enum SearchFollowUp {
 }
 
 impl Operation for CameraSearch {
-    type Progress = SearchStep;
+    type Progress = OperationStep;
     type Output = AutocalibrationAnswer;
     type Error = AutocalibrationError;
 
@@ -85,7 +85,7 @@ impl Operation for CameraSearch {
 
     fn run(
         &self,
-        context: &Context<'_, SearchStep>,
+        context: &Context<'_, OperationStep>,
     ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
         let mut reader = context.open_reader();
         let mut picture = |index: usize| {
@@ -136,7 +136,7 @@ impl Operation for CameraSearch {
                     app.label(&Target::Landmark(landmark.clone()))
                 });
                 let why = describe_abstention(&why, &help);
-                app.session.notify(Level::Warning, why.clone());
+                app.session.warn(why.clone());
                 app.operations.camera_search.left = SearchFollowUp::Abstained {
                     camera: self.camera.clone(),
                     why,
@@ -263,10 +263,8 @@ impl App {
     fn stop_find_camera(&mut self) {
         self.operations.camera_search.left = SearchFollowUp::Nothing;
         if self.operations.camera_search.slot.cancel() {
-            self.session.notify(
-                Level::Info,
-                "The search for the camera was stopped; nothing was changed.",
-            );
+            self.session
+                .note("The search for the camera was stopped; nothing was changed.");
         }
     }
 
@@ -284,7 +282,7 @@ impl App {
             .is_some();
         if has_base {
             let text = "The camera was found, but it was given a base in the meantime; the result was discarded.";
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
             return;
         }
         self.use_found_camera(found);
@@ -336,9 +334,8 @@ impl App {
 impl CameraSearchState {
     /// The running search with its progress, for the status row.
     pub fn under_way(&self) -> Option<UnderWay> {
-        let at = self.slot.running()?.progress();
-        let card = SearchStep::under_way(at, "Finding the camera", Command::StopFindCamera);
-        Some(card)
+        let (running, stop) = (self.slot.running()?, Command::StopFindCamera);
+        Some(UnderWay::from_running(running, "Finding the camera", stop))
     }
 
     /// Whether a search is running.

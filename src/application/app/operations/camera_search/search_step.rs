@@ -1,43 +1,11 @@
 //! How far a search for cameras is, as its card shows it.
 
-use crate::app::operations::{UnderWay, clip_tracking};
-use crate::app::{Command, sentence};
+use crate::app::operations::{OperationStep, clip_tracking};
+use crate::app::sentence;
 use std::sync::{Arc, Mutex, PoisonError};
 use touchline_calibration::autocalibrate::{AutocalibrationProgress, SearchedPanorama};
 use touchline_calibration::pipelines::{LearningProgress, MatchEvent, TrackingEvent};
 use touchline_core::progress::Share;
-
-/// The present step of a search for one camera, or for all cameras of a video.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SearchStep {
-    /// What is being done, in one sentence.
-    step: String,
-    /// The share of the step that is done, 0 to 1; none if it is unknown.
-    share: Option<f32>,
-    /// The panorama of the camera that is being searched; none while its frames are not matched.
-    panorama: Option<Arc<SearchedPanorama>>,
-}
-
-impl SearchStep {
-    fn new(step: &str, share: Option<f32>) -> Self {
-        Self {
-            step: sentence(step),
-            share,
-            panorama: None,
-        }
-    }
-
-    /// The card of a search that is at this step; none before the first.
-    pub(super) fn under_way(step: Option<&Self>, job: &str, stop: Command) -> UnderWay {
-        let Some(at) = step else {
-            return UnderWay::new(job, "Opening the pictures", stop);
-        };
-        UnderWay {
-            panorama: at.panorama.clone(),
-            ..UnderWay::new(job, &at.step, stop).with_share(at.share)
-        }
-    }
-}
 
 /// Makes steps of the events of a search. The panorama comes with some events, and is shown with
 /// those that follow.
@@ -48,8 +16,9 @@ pub struct SearchSteps {
 
 impl SearchSteps {
     /// The step of the search for one camera.
-    pub fn of_search(&self, event: &AutocalibrationProgress) -> SearchStep {
-        let step = SearchStep::new(&event.to_string(), Some(event.share_of_step() as f32));
+    pub fn of_search(&self, event: &AutocalibrationProgress) -> OperationStep {
+        let share = Some(event.share_of_step() as f32);
+        let step = OperationStep::new(sentence(&event.to_string()), share);
         let mut known = self.panorama.lock().unwrap_or_else(PoisonError::into_inner);
         match event {
             // The frames of another camera, or more of them.
@@ -58,34 +27,32 @@ impl SearchSteps {
             _ => {}
         }
         let panorama = known.clone();
-        SearchStep { panorama, ..step }
+        OperationStep { panorama, ..step }
     }
 
     /// The step of the search for all cameras of a video. None for events between two steps.
-    pub fn of_match(&self, event: &MatchEvent) -> Option<SearchStep> {
-        Some(match event {
-            MatchEvent::Searching(event) => self.of_search(event),
-            MatchEvent::FindingShots(done) => {
-                SearchStep::new("looking for cuts", Some(done.fraction()))
-            }
-            MatchEvent::Learning(LearningProgress::Features { done, of }) => {
-                let share = Share::new(*done, *of).fraction();
-                SearchStep::new("learning from the frames that were found", Some(share))
-            }
-            MatchEvent::Asking { done, of } => {
-                let share = Share::new(*done, *of).fraction();
-                SearchStep::new("answering the other shots", Some(share))
-            }
+    pub fn of_match(&self, event: &MatchEvent) -> Option<OperationStep> {
+        let (step, done) = match event {
+            MatchEvent::Searching(event) => return Some(self.of_search(event)),
             MatchEvent::Tracking(TrackingEvent::Progress(step)) => {
-                let share = clip_tracking::share_of(step);
-                SearchStep::new(&clip_tracking::describe_progress(step), share)
+                return Some(clip_tracking::step_of(step));
             }
-            MatchEvent::Tracking(TrackingEvent::Refining(camera)) => {
-                let camera = camera.as_str();
-                SearchStep::new(&format!("refining the base of {camera} on the paint"), None)
-            }
+            MatchEvent::FindingShots(done) => ("Looking for cuts".to_owned(), Some(*done)),
+            MatchEvent::Learning(LearningProgress::Features { done, of }) => (
+                "Learning from the frames that were found".to_owned(),
+                Some(Share::new(*done, *of)),
+            ),
+            MatchEvent::Asking { done, of } => (
+                "Answering the other shots".to_owned(),
+                Some(Share::new(*done, *of)),
+            ),
+            MatchEvent::Tracking(TrackingEvent::Refining(camera)) => (
+                format!("Refining the base of {} on the paint", camera.as_str()),
+                None,
+            ),
             _ => return None,
-        })
+        };
+        Some(OperationStep::new(step, done.map(|done| done.fraction())))
     }
 }
 

@@ -10,7 +10,7 @@ mod suggestions;
 mod tracking;
 
 pub use tracking::ClipTracking;
-pub(super) use tracking::{describe_progress, share_of};
+pub(super) use tracking::step_of;
 
 use crate::app::operation::{AsItWas, Slot};
 use crate::app::operations::UnderWay;
@@ -59,12 +59,9 @@ impl ClipTrackingState {
 
     /// The running tracking with its progress, for the status row.
     pub(super) fn under_way(&self) -> Option<UnderWay> {
-        let progress = self.slot.running()?.progress();
-        let step = progress.map_or_else(|| "Opening the pictures".to_owned(), describe_progress);
         let job = "Tracking cameras through the shot";
-        Some(
-            UnderWay::new(job, step, Command::StopTracking).with_share(progress.and_then(share_of)),
-        )
+        let running = self.slot.running()?;
+        Some(UnderWay::from_running(running, job, Command::StopTracking))
     }
 }
 
@@ -80,7 +77,7 @@ impl App {
             Command::StopTracking if self.stop_refining_base() => {}
             Command::StopTracking if self.operations.clip_tracking.slot.cancel() => {
                 self.session
-                    .notify(Level::Info, "Tracking was stopped; nothing was changed.");
+                    .note("Tracking was stopped; nothing was changed.");
             }
             Command::DiscardTracked => self.discard_tracked(),
             Command::TakeLength => self.take_measured_length(),
@@ -205,7 +202,7 @@ impl App {
     fn report_length(&mut self, found: LengthOnLines) {
         let text = describe_length(&found);
         if found.is_prescribed {
-            self.session.notify(Level::Warning, text);
+            self.session.warn(text);
             return;
         }
         let then = self.open.as_ref().map(|open| (*open.document).clone());

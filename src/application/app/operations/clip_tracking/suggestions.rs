@@ -30,7 +30,7 @@ impl App {
         if !since.has_base_and_field(camera) {
             let text = "The base or the field changed in the meantime; the tracked cameras were \
                         discarded.";
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
             return;
         }
         let lengths = tracked.lengths.clone();

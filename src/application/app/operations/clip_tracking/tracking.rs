@@ -3,6 +3,7 @@
 
 use crate::app::App;
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
+use crate::app::operations::OperationStep;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
@@ -12,6 +13,7 @@ use touchline_calibration::calibrate::{
 };
 use touchline_core::field::FieldModel;
 use touchline_core::geometry::pluralise;
+use touchline_core::progress::Share;
 use touchline_documents::document::Document;
 
 /// Tracks cameras through a clip.
@@ -76,7 +78,7 @@ pub enum ClipTrackingError {
 }
 
 impl Operation for ClipTracking {
-    type Progress = ClipProgress;
+    type Progress = OperationStep;
     type Output = TrackingOutcome;
     type Error = ClipTrackingError;
 
@@ -84,7 +86,7 @@ impl Operation for ClipTracking {
 
     fn run(
         &self,
-        context: &Context<'_, ClipProgress>,
+        context: &Context<'_, OperationStep>,
     ) -> Result<TrackingOutcome, ClipTrackingError> {
         let mut reader = context.open_reader();
         let mut document = self.document.clone();
@@ -96,7 +98,8 @@ impl Operation for ClipTracking {
         }
         let (at, options) = (document.at(&self.folder), TrackClipOptions::default());
         let mut evidence = (*self.evidence).clone();
-        let progress = context.progress();
+        let steps = context.progress();
+        let progress = steps.part(|event: ClipProgress| step_of(&event));
         let tracked = track_clip(
             at,
             &clip,
@@ -171,25 +174,20 @@ impl ClipTracking {
     }
 }
 
-/// The progress of a tracking, as text.
-pub(in crate::app::operations) fn describe_progress(progress: &ClipProgress) -> String {
-    match progress {
-        ClipProgress::Following(done, of) => format!("Following points: frame {done} of {of}"),
-        ClipProgress::Painting(done, of) => {
-            format!("Looking at painted lines: {done} of {of} frames")
-        }
-        ClipProgress::Adjusting => "Adjusting all frames of the shot together".to_owned(),
-    }
-}
-
-/// The share of a tracking's present step that is done, 0 to 1; none if it is unknown.
-pub(in crate::app::operations) fn share_of(progress: &ClipProgress) -> Option<f32> {
-    match progress {
-        ClipProgress::Following(done, of) | ClipProgress::Painting(done, of) => {
-            Some(*done as f32 / (*of).max(1) as f32)
-        }
-        ClipProgress::Adjusting => None,
-    }
+/// What the tracking of a clip does at present.
+pub(in crate::app::operations) fn step_of(progress: &ClipProgress) -> OperationStep {
+    let (step, done) = match *progress {
+        ClipProgress::Following(done, of) => (
+            format!("Following points: frame {done} of {of}"),
+            Some(Share::new(done, of)),
+        ),
+        ClipProgress::Painting(done, of) => (
+            format!("Looking at painted lines: {done} of {of} frames"),
+            Some(Share::new(done, of)),
+        ),
+        ClipProgress::Adjusting => ("Adjusting all frames of the shot together".to_owned(), None),
+    };
+    OperationStep::new(step, done.map(|done| done.fraction()))
 }
 
 /// The result of tracking again after a correction, as text.

@@ -3,7 +3,6 @@
 //! and the check of an accepted frame is written into its solution.
 
 use crate::app::App;
-use crate::app::window_state::session::Level;
 use touchline_calibration::calibrate::record_line_check;
 use touchline_core::markings::LineVerdict;
 use touchline_documents::document::{FrameId, FrameStatus};
@@ -57,7 +56,7 @@ impl App {
                     "Frame {number} was accepted before its painted lines were checked: they lie \
                      elsewhere in the picture. Look at it again."
                 );
-                self.session.notify(Level::Warning, text);
+                self.session.warn(text);
             }
         }
     }

@@ -4,7 +4,7 @@
 use touchline_documents::exchange::Format;
 
 /// What formats are for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, strum::EnumIter)]
 pub enum FormatGroup {
     /// This program's own file, and tables.
     Own,
@@ -17,14 +17,6 @@ pub enum FormatGroup {
 }
 
 impl FormatGroup {
-    /// All groups, in the order of the list.
-    pub const ALL: [Self; 4] = [
-        Self::Own,
-        Self::Annotation,
-        Self::Production,
-        Self::Research,
-    ];
-
     /// The title above the group.
     pub const fn title(self) -> &'static str {
         match self {
@@ -94,11 +86,12 @@ pub fn formats_in(group: FormatGroup, typed: &str, goes: fn(Format) -> bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use strum::IntoEnumIterator as _;
 
     #[test]
     fn every_format_is_in_one_group_with_a_name_for_people() {
         let of_group = |group| formats_in(group, "", |_| true);
-        let mut listed: Vec<Format> = FormatGroup::ALL.into_iter().flat_map(of_group).collect();
+        let mut listed: Vec<Format> = FormatGroup::iter().flat_map(of_group).collect();
         listed.sort_unstable();
         let mut all: Vec<Format> = Format::all().collect();
         all.sort_unstable();
@@ -112,7 +105,7 @@ mod tests {
     #[test]
     fn a_format_is_found_by_a_word_about_it() {
         let found = |typed| -> Vec<Format> {
-            let groups = FormatGroup::ALL.into_iter();
+            let groups = FormatGroup::iter();
             groups
                 .flat_map(|group| formats_in(group, typed, Format::exports))
                 .collect()

@@ -336,8 +336,7 @@ impl App {
         let transfer = &mut self.operations.transfer;
         // Without short-circuit: both are to be cancelled.
         if transfer.look.cancel() | transfer.write.cancel() {
-            self.session
-                .notify(Level::Info, "Stopped; nothing was written.");
+            self.session.note("Stopped; nothing was written.");
         }
     }
 

@@ -57,10 +57,8 @@ impl App {
             return;
         }
         if rejected {
-            self.session.notify(
-                Level::Info,
-                "This frame is marked as not calibratable. X removes the mark.",
-            );
+            self.session
+                .note("This frame is marked as not calibratable. X removes the mark.");
             return;
         }
         // On the picture: place a click, with the landmark that was chosen before, if any, and

@@ -37,7 +37,7 @@ impl App {
     pub(in crate::app::update) fn breaks_round(&mut self, action: &Action) -> bool {
         let breaks = self.round().is_some() && !action.is_blind();
         if breaks {
-            self.session.notify(Level::Info, IN_ROUND);
+            self.session.note(IN_ROUND);
         }
         breaks
     }
@@ -54,7 +54,7 @@ impl App {
         let Some(frame) = self.frame() else { return };
         let gold = !frame.gold;
         if let Some(reason) = frame.why_not_gold().filter(|_| gold) {
-            self.session.notify(Level::Info, reason);
+            self.session.note(reason);
             return;
         }
         let step = if gold {
@@ -208,8 +208,7 @@ impl App {
             return;
         }
         if round.clicked_count() == 0 {
-            self.session
-                .notify(Level::Info, "No points have been clicked again yet.");
+            self.session.note("No points have been clicked again yet.");
             return;
         }
         round.go_back();
@@ -353,10 +352,8 @@ impl App {
         let Some(open) = &self.open else { return };
         let mut numbers = open.document.clone();
         if let Err(error) = numbers.set_click_noise(noise) {
-            self.session.notify(
-                Level::Warning,
-                format!("The click noise cannot be stored: {error}."),
-            );
+            self.session
+                .warn(format!("The click noise cannot be stored: {error}."));
             return;
         }
         if self.change_in_bulk(

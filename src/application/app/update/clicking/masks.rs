@@ -3,7 +3,6 @@
 
 use crate::app::App;
 use crate::app::window_state::choices::{MaskList, MaskScope, Scope};
-use crate::app::window_state::session::Level;
 use touchline_core::geometry::PixelBox;
 use touchline_documents::document::{Document, Extra, MaskSource, RangedMask, Step};
 
@@ -70,7 +69,7 @@ impl App {
         scope: MaskScope,
     ) {
         if let Some(reason) = self.why_not_scope(scope) {
-            self.session.notify(Level::Info, reason);
+            self.session.note(reason);
             return;
         }
         let Some(open) = &self.open else { return };

@@ -244,7 +244,7 @@ impl App {
              corner or crossing until the camera's base is known.",
             landmark.label
         );
-        self.session.notify(Level::Warning, text);
+        self.session.warn(text);
     }
 
     /// Exchanges the names of two clicks; one step of undo.
@@ -301,7 +301,7 @@ impl App {
                 "{label} is already point {} of this frame. Delete or rename that one first.",
                 twin + 1
             );
-            self.session.notify(Level::Warning, text);
+            self.session.warn(text);
             return;
         }
         self.session.mode = Mode::Idle;

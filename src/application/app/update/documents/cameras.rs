@@ -28,8 +28,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let frames = Scope::Shot.frames(open, &self.session);
         if frames.len() < 2 {
-            self.session
-                .notify(Level::Info, "This shot has no other frames.");
+            self.session.note("This shot has no other frames.");
             return;
         }
         self.session.frames_selected = frames.into_iter().collect();
@@ -88,7 +87,7 @@ impl App {
             self.session.retract(Command::NewCameraFromChange);
             text.push_str(" Add points there, then estimate its base.");
         }
-        self.session.notify(Level::Info, text);
+        self.session.note(text);
     }
 
     /// Assigns the frames that the shown frame's camera no longer fits to a new camera; one step of

@@ -59,14 +59,13 @@ impl App {
         self.session.panel = panel;
         if was_writing {
             let text = "The export was stopped, because another document was opened.";
-            self.session.notify(Level::Warning, text);
+            self.session.warn(text);
         }
         for (level, text) in &opened.notices {
             self.session.notify(*level, text.clone());
         }
         if let Some(reason) = &opened.read_only {
-            self.session
-                .notify(Level::Warning, format!("Opened read-only: {reason}"));
+            self.session.warn(format!("Opened read-only: {reason}"));
         }
         // A new document has no sport yet. With labels that wait, their sheet names the field.
         if opened.is_new && self.waiting_labels.is_none() {

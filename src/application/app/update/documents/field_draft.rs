@@ -5,7 +5,7 @@ use crate::app::App;
 use crate::app::action::FieldChange;
 use crate::app::effect::{Effect, TemplateOrder};
 use crate::app::window_state::field_draft::FieldDraft;
-use crate::app::window_state::session::{Dialog, Level};
+use crate::app::window_state::session::Dialog;
 use std::path::Path;
 use touchline_core::field::Template;
 use touchline_core::geometry::pluralise;
@@ -66,7 +66,7 @@ impl App {
                         pluralise(added, "landmark")
                     ),
                 };
-                self.session.notify(Level::Info, text);
+                self.session.note(text);
             }
         }
     }
@@ -75,7 +75,7 @@ impl App {
     pub(in crate::app::update) fn save_field_template(&mut self) {
         if self.is_read_only() {
             let text = "The document is read-only.";
-            return self.session.notify(Level::Warning, text);
+            return self.session.warn(text);
         }
         let (Some(open), Some(draft)) = (&self.open, &self.session.field_draft) else {
             return;
@@ -115,7 +115,7 @@ impl App {
         } else {
             format!("{title} is kept in {name} beside the project.")
         };
-        self.session.notify(Level::Info, text);
+        self.session.note(text);
     }
 }
 
@@ -123,18 +123,10 @@ impl App {
 mod tests {
     use super::*;
     use crate::app::{Action, DiskReport, EditAction, ViewAction};
-    use touchline_core::geometry::ImageSize;
-    use touchline_documents::document::Camera;
-    use touchline_documents::testing::{WithFrames, new_frame, soccer_document};
-
-    const SIZE: ImageSize = ImageSize::new(64, 36);
+    use touchline_documents::testing::document;
 
     fn app() -> App {
-        let mut document = soccer_document();
-        document
-            .cameras
-            .push(Camera::new("main".into(), SIZE).into());
-        App::with_document(document.with_frames([new_frame("1.png", SIZE)]))
+        App::with_document(document(&["1.png"]))
     }
 
     /// The file that an action writes: its name, its text, and whether it replaces one.

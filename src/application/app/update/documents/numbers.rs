@@ -82,7 +82,7 @@ impl App {
             && self.session.mode != Mode::Editing
         {
             self.session
-                .notify(Level::Info, "A base needs both a position and a rotation.");
+                .note("A base needs both a position and a rotation.");
         }
         let step = Step::on_document("Change camera");
         self.within_edit(step, |app| {
@@ -196,7 +196,7 @@ impl App {
     pub(in crate::app::update) fn switch_root(&mut self) {
         let Some(other) = self.current.other_root() else {
             self.session
-                .notify(Level::Info, "Only one focal length fits these points.");
+                .note("Only one focal length fits these points.");
             return;
         };
         self.edit_ptz(other);
@@ -216,17 +216,13 @@ impl App {
             return;
         };
         let Some(adopted) = adopt(camera, loaded) else {
-            self.session.notify(
-                Level::Warning,
-                format!("Camera {:?} has no base.", loaded.id.as_str()),
-            );
+            self.session
+                .warn(format!("Camera {:?} has no base.", loaded.id.as_str()));
             return;
         };
         if self.edit_camera(adopted) {
-            self.session.notify(
-                Level::Info,
-                format!("Camera base loaded from {:?}.", loaded.id.as_str()),
-            );
+            self.session
+                .note(format!("Camera base loaded from {:?}.", loaded.id.as_str()));
         }
     }
 

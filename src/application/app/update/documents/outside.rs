@@ -133,13 +133,10 @@ impl App {
         if self.session.disk.orphans.is_empty() && self.session.dialog == Some(Dialog::Orphans) {
             self.session.dialog = None;
         }
-        self.session.notify(
-            Level::Info,
-            format!(
-                "The edits are merged; their file is now {}.",
-                renamed.display()
-            ),
-        );
+        self.session.note(format!(
+            "The edits are merged; their file is now {}.",
+            renamed.display()
+        ));
     }
 
     /// Replaces the open document by a merged one, as one step of undo; the same frame stays shown.

@@ -1,7 +1,6 @@
 //! Changes of the shots of a video, one cut at a time.
 
 use crate::app::App;
-use crate::app::window_state::session::Level;
 use touchline_documents::document::{
     Document, ShotContent, ShotKind, ShotsError, VideoShots, shots_of_frames,
 };
@@ -53,7 +52,7 @@ impl App {
             open.document.shots[shot].content = Some(shows);
         }
         self.commit();
-        self.session.notify(Level::Info, format!("{step}."));
+        self.session.note(format!("{step}."));
     }
 
     /// The shots of the shown frame's video. None for a still image, or a video without shots.
@@ -121,8 +120,7 @@ impl App {
                 VideoShots::from_cuts(&open.document, &video.path, last, &[])
             });
         if let Err(error) = change(&mut shots, &open.document, video.frame_index) {
-            self.session
-                .notify(Level::Info, crate::app::sentence(&error.to_string()));
+            self.session.note(crate::app::sentence(&error.to_string()));
             return;
         }
         if !self.begin(step) {

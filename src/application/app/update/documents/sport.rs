@@ -2,7 +2,6 @@
 
 use crate::app::App;
 use crate::app::effect::Effect;
-use crate::app::window_state::session::Level;
 use touchline_core::field::builtin;
 use touchline_documents::document::{CROWN, FieldSpec};
 
@@ -34,14 +33,14 @@ impl App {
         let Ok(chosen) = builtin(template) else {
             self.session.dialog = None;
             self.session
-                .notify(Level::Warning, format!("No field is called {template:?}."));
+                .warn(format!("No field is called {template:?}."));
             return;
         };
         if self.use_template(template) {
             self.settings.remember_sport(template);
             self.effects.push(Effect::SaveSettings);
             let text = format!("Field: {}.", chosen.title);
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
         }
     }
 

@@ -1,7 +1,8 @@
 //! Moves between frames, and accepts, rejects or comments them.
 
 use crate::app::panel_values::progress::just_accepted;
-use crate::app::window_state::session::{Level, Mode};
+use crate::app::window_state::choices::Scope;
+use crate::app::window_state::session::Mode;
 use crate::app::{App, Command};
 use touchline_documents::document::{Frame, FrameStatus, RejectReason};
 
@@ -57,7 +58,7 @@ impl App {
         });
         match next {
             Some(frame) => self.go_to(frame),
-            None => self.session.notify(Level::Info, none),
+            None => self.session.note(none),
         }
     }
 
@@ -93,7 +94,7 @@ impl App {
     /// unless `stay`. Asks first if the frame looks wrong.
     pub(in crate::app::update) fn accept(&mut self, stay: bool) {
         if let Some(reason) = self.unacceptable() {
-            self.session.notify(Level::Info, reason);
+            self.session.note(reason);
             self.session.points.selected = self
                 .frame()
                 .and_then(Frame::unnamed_click)
@@ -129,7 +130,7 @@ impl App {
             if let Some(open) = &mut self.open {
                 let counts = open.derived.counts(&open.document);
                 let text = just_accepted(counts, used_for_training);
-                self.session.notify(Level::Info, text);
+                self.session.note(text);
             }
             match listed.filter(|_| !stay) {
                 Some(frame) => self.go_to(frame),
@@ -153,10 +154,8 @@ impl App {
             return;
         }
         if whole_shot && frame.clip.is_none() {
-            self.session.notify(
-                Level::Info,
-                "This frame is not in a shot. X marks it alone.",
-            );
+            self.session
+                .note("This frame is not in a shot. X marks it alone.");
             return;
         }
         self.session.mode = Mode::Rejecting { whole_shot };
@@ -169,28 +168,17 @@ impl App {
         self.session.mode = Mode::Idle;
         // The next row must be found before the frame leaves the list.
         let listed = self.next_in_list(true).filter(|_| !whole_shot);
-        let Some(frame) = self.frame() else { return };
-        let clip = frame.clip.clone();
-        let camera = frame.camera.clone();
-        let step = if whole_shot {
-            "Mark shot as not calibratable"
+        let Some(open) = &self.open else { return };
+        let (scope, step) = if whole_shot {
+            (Scope::Shot, "Mark shot as not calibratable")
         } else {
-            "Mark as not calibratable"
+            (Scope::Frame, "Mark as not calibratable")
         };
-        if !self.begin(step) {
+        let frames = scope.frames(open, &self.session);
+        let step = self.step_at(step, self.session.frame);
+        if !self.reject_frames(step, frames, reason) {
             return;
         }
-        let index = self.session.frame;
-        if let Some(open) = &mut self.open {
-            for (other, frame) in open.document.frames.iter_mut().enumerate() {
-                if other == index || (whole_shot && frame.clip == clip && frame.camera == camera) {
-                    frame.status = FrameStatus::Rejected;
-                    frame.reason = Some(reason);
-                }
-            }
-        }
-        self.commit();
-        self.refresh_review();
         match listed {
             Some(frame) => self.go_to(frame),
             None => self.go_to_next_that_needs_me(true),

@@ -1,7 +1,7 @@
 //! Acceptance and rejection of frames that were chosen by their pictures, in the gallery.
 
 use crate::app::App;
-use crate::app::window_state::session::{Dialog, Level};
+use crate::app::window_state::session::Dialog;
 use std::collections::BTreeSet;
 use touchline_core::geometry::pluralise;
 use touchline_documents::document::{Frame, FrameStatus, RejectReason, Step};
@@ -44,7 +44,7 @@ impl App {
             .partition(|place| open.frame(*place).is_some_and(is_acceptable));
         if frames.is_empty() {
             let none = "None of the selected frames is a suggestion that can be accepted.";
-            self.session.notify(Level::Info, none);
+            self.session.note(none);
         } else if self.accept_together(&frames, "suggestion", false) && stay.is_empty() {
             return;
         }
@@ -56,10 +56,22 @@ impl App {
         let selected = std::mem::take(&mut self.session.frames_selected);
         let count = pluralise(selected.len(), "frame");
         let step = Step::on_document(format!("Mark {count} as not calibratable"));
-        if selected.is_empty() || !self.begin_step(step) {
-            return;
+        if !selected.is_empty() {
+            self.reject_frames(step, selected, reason);
         }
-        for place in selected {
+    }
+
+    /// Marks frames as not calibratable, in one step of undo. Returns whether it did.
+    pub(super) fn reject_frames(
+        &mut self,
+        step: Step,
+        frames: impl IntoIterator<Item = usize>,
+        reason: RejectReason,
+    ) -> bool {
+        if !self.begin_step(step) {
+            return false;
+        }
+        for place in frames {
             if let Some(frame) = self.frame_mut_at(place) {
                 frame.status = FrameStatus::Rejected;
                 frame.reason = Some(reason);
@@ -67,5 +79,6 @@ impl App {
         }
         self.commit();
         self.refresh_review();
+        true
     }
 }

@@ -125,7 +125,7 @@ impl App {
             self.journal_edit(edit);
         }
         self.forget_tracked_batch(batch);
-        self.session.notify(Level::Info, text);
+        self.session.note(text);
     }
 
     /// The generation of the newest forest that has proposed anything or was reported.
@@ -165,7 +165,7 @@ impl App {
             let text = format!(
                 "{withdrawn} {proposals} for the old base {were} discarded; proposing again."
             );
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
         }
     }
 }

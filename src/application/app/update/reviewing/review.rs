@@ -4,7 +4,7 @@
 use crate::app::panel_values::progress::ALL_DONE;
 use crate::app::review::{AcceptQuestion, AcceptSheet, BulkAccept, LeftReason, Stretch};
 use crate::app::window_state::choices::Scope;
-use crate::app::window_state::session::{Dialog, Level, SidePanel, is_to_do};
+use crate::app::window_state::session::{Dialog, SidePanel, is_to_do};
 use crate::app::{App, Command};
 use std::sync::Arc;
 use touchline_calibration::calibrate::impossible_camera;
@@ -143,7 +143,7 @@ impl App {
             } else {
                 "No suggestion has this confidence."
             };
-            self.session.notify(Level::Info, none);
+            self.session.note(none);
             return;
         }
         let noun = if is_stretch { "frame" } else { "suggestion" };
@@ -185,10 +185,8 @@ impl App {
             self.session.retract(Command::DiscardTracked);
         }
         let undo = self.settings.keys.key_or_name(Command::Undo);
-        self.session.notify(
-            Level::Info,
-            format!("{count} accepted. {undo} undoes all of it."),
-        );
+        self.session
+            .note(format!("{count} accepted. {undo} undoes all of it."));
         true
     }
 
@@ -229,10 +227,9 @@ impl App {
             )
         }) {
             Some((true, used)) => self.set_use_for_training(self.session.frame, !used),
-            _ => self.session.notify(
-                Level::Info,
-                "Only references are used for training: accept this frame first.",
-            ),
+            _ => self
+                .session
+                .note("Only references are used for training: accept this frame first."),
         }
     }
 }
@@ -252,7 +249,7 @@ impl App {
     pub(in crate::app::update) fn ask_accept_stretch(&mut self) {
         if self.decides_about_base() {
             let text = "An estimated base is shown. Use it or discard it first.";
-            self.session.notify(Level::Info, text);
+            self.session.note(text);
             return;
         }
         self.commit_open_step();

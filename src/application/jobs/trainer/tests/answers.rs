@@ -133,7 +133,7 @@ fn a_forest_that_goes_on_under_another_number_is_still_refused() {
 #[test]
 fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_queried_again() {
     let mut controller = Controller::start(0.99);
-    controller.notify(TrainerOrder::Snap(true));
+    controller.wish(|wishes| wishes.snapping = true);
     let mut all = document(2, 2);
     controller.document(&all);
     controller.expect(&BackendCall::Recall, ScriptedEnd::Stopped);
@@ -147,14 +147,14 @@ fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_queried_again()
         proposal.record(&mut all.frames[2 + index]);
     }
     controller.document(&all);
-    controller.notify(TrainerOrder::Snap(false));
+    controller.wish(|wishes| wishes.snapping = false);
     controller.expect(&BackendCall::Propose(vec![2, 3]), ScriptedEnd::Well);
     controller.until_idle();
     controller.nothing_begun();
 
     // In another run only the frame that is not aligned to its paint is queried.
-    let controller = Controller::start(0.99);
-    controller.notify(TrainerOrder::Snap(true));
+    let mut controller = Controller::start(0.99);
+    controller.wish(|wishes| wishes.snapping = true);
     controller.document(&all);
     controller.expect(&BackendCall::Recall, ScriptedEnd::Well);
     controller.expect(&BackendCall::Propose(vec![3]), ScriptedEnd::Well);

@@ -2,7 +2,7 @@
 
 use super::fake_backend::{BackendCall, ScriptedEnd, no_features};
 use super::{Controller, document};
-use crate::app::{TrainerActivity, TrainerOrder};
+use crate::app::TrainerActivity;
 use touchline_calibration::proposals::NoProposal;
 
 #[test]
@@ -17,10 +17,10 @@ fn every_stage_can_be_paused_and_taken_up_again() {
     ] {
         controller.expect(&stage, ScriptedEnd::Stopped);
         controller.until(|status| status.doing != TrainerActivity::Paused);
-        controller.notify(TrainerOrder::Pause(true));
+        controller.wish(|wishes| wishes.paused = true);
         controller.until(|status| status.doing == TrainerActivity::Paused);
         controller.nothing_begun();
-        controller.notify(TrainerOrder::Pause(false));
+        controller.wish(|wishes| wishes.paused = false);
         controller.expect(&stage, ScriptedEnd::Well);
     }
     controller.until_idle();
@@ -78,9 +78,9 @@ fn a_panic_is_shown_and_work_goes_on() {
     controller.document(&all);
     controller.until(|status| status.doing == TrainerActivity::Nothing);
     controller.nothing_begun();
-    controller.notify(TrainerOrder::Pause(true));
+    controller.wish(|wishes| wishes.paused = true);
     controller.until(|status| status.doing == TrainerActivity::Paused);
-    controller.notify(TrainerOrder::Pause(false));
+    controller.wish(|wishes| wishes.paused = false);
     controller.expect(&BackendCall::Learn(vec![0]), ScriptedEnd::Fail);
     controller.until(|status| status.trouble == Some(no_features().to_string()));
     all.frames.push(document(2, 0).frames[1].clone());
@@ -116,9 +116,9 @@ fn features_are_shown_while_they_are_wanted_and_follow_the_shown_frame() {
     controller.expect(&BackendCall::Propose(vec![1]), ScriptedEnd::Well);
     controller.expect(&BackendCall::Measure, ScriptedEnd::Well);
     controller.until_idle();
-    controller.notify(TrainerOrder::Features(true));
+    controller.wish(|wishes| wishes.features = true);
     controller.woken.recv().unwrap();
-    controller.notify(TrainerOrder::Frame(second.clone()));
+    controller.wish(|wishes| wishes.frame = Some(second.clone()));
     while controller.features.last() != Some(&second) {
         controller.woken.recv().unwrap();
         controller.poll();

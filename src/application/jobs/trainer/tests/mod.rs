@@ -8,7 +8,7 @@ mod training;
 mod videos;
 
 use super::{Trainer, TrainerOptions, TrainerReport};
-use crate::app::{TrainerActivity, TrainerOrder, TrainerStatus};
+use crate::app::{TrainerActivity, TrainerOrder, TrainerStatus, TrainerWishes};
 use fake_backend::{BackendCall, FakeBackend, ScriptedEnd};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -31,6 +31,7 @@ struct Controller {
     proposals: Vec<Proposal>,
     tracked: Vec<TrackedProposal>,
     features: Vec<FrameId>,
+    wishes: TrainerWishes,
 }
 
 impl Controller {
@@ -65,11 +66,17 @@ impl Controller {
             proposals,
             tracked,
             features,
+            wishes: TrainerWishes::default(),
         }
     }
 
     fn notify(&self, order: TrainerOrder) {
         self.trainer.as_ref().unwrap().notify(order);
+    }
+
+    fn wish(&mut self, change: impl FnOnce(&mut TrainerWishes)) {
+        change(&mut self.wishes);
+        self.notify(TrainerOrder::Wishes(self.wishes.clone()));
     }
 
     fn document(&self, document: &Document) {

@@ -2,14 +2,13 @@
 
 use super::fake_backend::{BackendCall, ScriptedEnd, proposal};
 use super::{Controller, accept, document};
-use crate::app::TrainerOrder;
 use touchline_documents::document::FrameStatus;
 
 #[test]
 fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
     let mut controller = Controller::start(0.95);
     let all = document(2, 28);
-    controller.notify(TrainerOrder::Frame(all.frames[6].id.clone()));
+    controller.wish(|wishes| wishes.frame = Some(all.frames[6].id.clone()));
     controller.document(&all);
     controller.expect(&BackendCall::Recall, ScriptedEnd::Stopped);
     controller.expect(&BackendCall::Learn(vec![0, 1]), ScriptedEnd::Well);

@@ -2,7 +2,7 @@
 
 use super::fake_backend::{BackendCall, ScriptedEnd};
 use super::{Controller, accept, document};
-use crate::app::{TrainerActivity, TrainerOrder};
+use crate::app::TrainerActivity;
 use touchline_core::progress::Share;
 use touchline_documents::document::{Document, VideoFrame};
 
@@ -34,9 +34,9 @@ fn in_a_video_the_forest_answers_key_frames_and_the_rest_is_tracked() {
             TrainerActivity::Carrying(Share { of: 57, .. })
         )
     });
-    controller.notify(TrainerOrder::Pause(true));
+    controller.wish(|wishes| wishes.paused = true);
     controller.until(|status| status.doing == TrainerActivity::Paused);
-    controller.notify(TrainerOrder::Pause(false));
+    controller.wish(|wishes| wishes.paused = false);
     controller.expect(&keys, ScriptedEnd::Well);
     controller.until_idle();
     // Tracking also adjusts key frames that the forest answered, but not the user's reference.
@@ -51,7 +51,7 @@ fn in_a_video_the_forest_answers_key_frames_and_the_rest_is_tracked() {
         tracked.record(all.frames.by_id_mut(&tracked.frame).unwrap());
     }
     controller.document(&all);
-    controller.notify(TrainerOrder::Frame(all.frames[40].id.clone()));
+    controller.wish(|wishes| wishes.frame = Some(all.frames[40].id.clone()));
     controller.until_idle();
     controller.nothing_begun();
 

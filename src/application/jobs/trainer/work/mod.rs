@@ -141,7 +141,7 @@ impl<C: Backend> Work<C> {
         // Apply the answers that older documents came to show first: if the newest document lacks
         // one of them, the answer was lost.
         self.note_shown(std::mem::take(&mut orders.shown_before));
-        if self.orders.paused && !orders.paused {
+        if self.orders.wishes.paused && !orders.wishes.paused {
             // Pausing and resuming is how the user retries.
             self.failed = None;
         }
@@ -175,7 +175,7 @@ impl<C: Backend> Work<C> {
         }
         self.note_shown(std::mem::take(&mut orders.shown));
         // When the user looks at features again, they are reported again.
-        if !orders.features {
+        if !orders.wishes.features {
             self.shown = None;
         }
         self.orders = orders;
@@ -196,7 +196,7 @@ impl<C: Backend> Work<C> {
 
     /// The first step that is due, in the order of the table on the module's page.
     fn next(&mut self) -> Step {
-        if self.orders.paused {
+        if self.orders.wishes.paused {
             return Step::Wait(TrainerActivity::Paused, None);
         }
         if self.training_set.is_empty() {
@@ -229,7 +229,7 @@ impl<C: Backend> Work<C> {
         // Query the forest: the shown frame's features, frames near it, the accuracy, all other
         // frames.
         if serves {
-            if self.orders.features
+            if self.orders.wishes.features
                 && let Some(position) = self.current()
                 && !self.shows_features_of(&self.document.frames[position].id)
             {
@@ -290,13 +290,13 @@ impl<C: Backend> Work<C> {
     const fn asking(&self) -> ForestQuerySettings {
         ForestQuerySettings {
             generation: self.generation,
-            snapping: self.orders.snapping,
+            snapping: self.orders.wishes.snapping,
         }
     }
 
     /// The index of the shown frame in the document; the first frame before any order named one.
     fn current(&self) -> Option<usize> {
-        match &self.orders.frame {
+        match &self.orders.wishes.frame {
             Some(id) => self.document.frames.position_of(id),
             None => (!self.document.frames.is_empty()).then_some(0),
         }

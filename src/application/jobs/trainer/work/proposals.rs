@@ -68,7 +68,11 @@ impl<C: Backend> Work<C> {
             return false;
         };
         let asking = self.asking();
-        let made_for = Some((self.orders.edition, self.orders.frame.clone(), asking));
+        let made_for = Some((
+            self.orders.edition,
+            self.orders.wishes.frame.clone(),
+            asking,
+        ));
         if self.queue.made_for != made_for {
             let QueryOrder { first, rest } =
                 QueryOrder::new(&self.document, self.current().unwrap_or(0), |index| {

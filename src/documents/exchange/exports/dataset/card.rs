@@ -145,8 +145,7 @@ fn counts(card: &Card<'_>, text: &mut String) {
         let _ = writeln!(
             text,
             "\nSplit {train} : {validation} : {test} by {}, which is never split; seed {}.",
-            splitting.by.name(),
-            splitting.seed
+            splitting.by, splitting.seed
         );
     }
     table_of_counts(

@@ -1,10 +1,10 @@
 //! Where a frame's label comes from.
 
 use crate::document::{Frame, FrameStatus, SolutionSource};
-use std::fmt;
 
 /// Where a frame's label comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, strum::Display)]
+#[strum(serialize_all = "snake_case")]
 pub enum LabelOrigin {
     /// A person's clicks.
     Clicked,
@@ -13,15 +13,15 @@ pub enum LabelOrigin {
     /// Tracked from other frames of the clip, and not reviewed.
     Tracked,
     /// The same, accepted by a person.
-    TrackedAccepted,
+    TrackedAndAccepted,
     /// The forest's suggestion, not reviewed.
     Suggested,
     /// The same, accepted by a person.
-    SuggestedAccepted,
+    SuggestedAndAccepted,
     /// Points of another program's model, not reviewed.
     Points,
     /// The same, accepted by a person.
-    PointsAccepted,
+    PointsAndAccepted,
     /// A foreign file.
     Imported,
     /// Numbers set by the user.
@@ -43,42 +43,18 @@ impl LabelOrigin {
         // A frame that states no source has its camera from its clicks, if it has some.
         Some(match frame.source() {
             Some(SolutionSource::Markings) => Self::Snapped,
-            Some(SolutionSource::Tracking) if accepted => Self::TrackedAccepted,
+            Some(SolutionSource::Tracking) if accepted => Self::TrackedAndAccepted,
             Some(SolutionSource::Tracking) => Self::Tracked,
-            Some(SolutionSource::Forest) if accepted => Self::SuggestedAccepted,
+            Some(SolutionSource::Forest) if accepted => Self::SuggestedAndAccepted,
             Some(SolutionSource::Forest) => Self::Suggested,
             Some(SolutionSource::Manual) => Self::SetByHand,
             Some(SolutionSource::Interpolated) => Self::Interpolated,
-            Some(SolutionSource::Points) if accepted => Self::PointsAccepted,
+            Some(SolutionSource::Points) if accepted => Self::PointsAndAccepted,
             Some(SolutionSource::Points) => Self::Points,
             Some(SolutionSource::Clicks) => Self::Clicked,
             None if is_clicked => Self::Clicked,
             Some(SolutionSource::Import) | None => Self::Imported,
         })
-    }
-
-    /// Its name in files.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Clicked => "clicked",
-            Self::Snapped => "snapped",
-            Self::Tracked => "tracked",
-            Self::TrackedAccepted => "tracked_and_accepted",
-            Self::Suggested => "suggested",
-            Self::SuggestedAccepted => "suggested_and_accepted",
-            Self::Points => "points",
-            Self::PointsAccepted => "points_and_accepted",
-            Self::Imported => "imported",
-            Self::SetByHand => "set_by_hand",
-            Self::Interpolated => "interpolated",
-            Self::ClicksOnly => "clicks_only",
-        }
-    }
-}
-
-impl fmt::Display for LabelOrigin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
     }
 }
 
@@ -95,12 +71,12 @@ mod tests {
         for (source, accepted, open) in [
             (
                 SolutionSource::Forest,
-                LabelOrigin::SuggestedAccepted,
+                LabelOrigin::SuggestedAndAccepted,
                 LabelOrigin::Suggested,
             ),
             (
                 SolutionSource::Tracking,
-                LabelOrigin::TrackedAccepted,
+                LabelOrigin::TrackedAndAccepted,
                 LabelOrigin::Tracked,
             ),
             (

@@ -3,6 +3,7 @@
 use crate::document::FrameStatus;
 use crate::exchange::options::FrameChoice;
 use image::ImageFormat;
+use strum::{Display, EnumString, IntoStaticStr, VariantArray};
 
 /// Which frames a dataset contains, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,33 +42,22 @@ impl Default for DatasetOptions {
 }
 
 /// The source of the pictures of a dataset.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
 pub enum Pictures {
     /// Image files are copied byte for byte; frames that are only in a video are decoded.
     #[default]
+    #[strum(serialize = "copy")]
     Copied,
     /// Like `Copied`, but with hard links instead of copies: nothing is stored twice, and both
     /// names refer to one file.
+    #[strum(serialize = "link")]
     Linked,
     /// Every frame is decoded, from its video where it has one, and written anew.
+    #[strum(serialize = "extract")]
     Extracted,
     /// There are no pictures; `dataset.json` refers to the files at their original paths.
+    #[strum(serialize = "none")]
     Left,
-}
-
-impl Pictures {
-    /// Every choice.
-    pub const ALL: [Self; 4] = [Self::Copied, Self::Linked, Self::Extracted, Self::Left];
-
-    /// Its name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Copied => "copy",
-            Self::Linked => "link",
-            Self::Extracted => "extract",
-            Self::Left => "none",
-        }
-    }
 }
 
 /// How decoded pictures are written.
@@ -81,9 +71,6 @@ pub enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// Every format.
-    pub const ALL: [Self; 2] = [Self::Png, Self::Jpeg];
-
     /// The ending of its files.
     pub const fn ending(self) -> &'static str {
         match self {
@@ -132,7 +119,10 @@ impl Default for Splitting {
 
 /// The unit that a split never divides. Single frames are not offered, because neighbouring frames
 /// are nearly equal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Display, EnumString, IntoStaticStr, VariantArray,
+)]
+#[strum(serialize_all = "lowercase")]
 pub enum SplitBy {
     /// A shot of a camera.
     #[default]
@@ -141,18 +131,4 @@ pub enum SplitBy {
     Camera,
     /// All of a video, or of a folder of images.
     Match,
-}
-
-impl SplitBy {
-    /// Every choice.
-    pub const ALL: [Self; 3] = [Self::Clip, Self::Camera, Self::Match];
-
-    /// Its name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Clip => "clip",
-            Self::Camera => "camera",
-            Self::Match => "match",
-        }
-    }
 }

@@ -347,10 +347,10 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
         let empty: Vec<&str> = Split::ALL
             .into_iter()
             .filter(|split| splitting.shares[*split as usize] > 0 && counts[*split as usize] == 0)
-            .map(Split::as_str)
+            .map(|split| split.into())
             .collect();
         if !empty.is_empty() {
-            let by = splitting.by.name();
+            let by = splitting.by;
             notes.push(format!(
                 "too few groups to split (--split-by {by}): none is left for {}",
                 empty.join(", ")

@@ -5,10 +5,12 @@ use super::options::{SplitBy, Splitting};
 use crate::document::Frame;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// A part of a dataset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, strum::Display, strum::IntoStaticStr,
+)]
+#[strum(serialize_all = "lowercase")]
 pub enum Split {
     /// For training.
     Train,
@@ -21,21 +23,6 @@ pub enum Split {
 impl Split {
     /// Every part, in order.
     pub const ALL: [Self; 3] = [Self::Train, Self::Validation, Self::Test];
-
-    /// The name of its folder.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Train => "train",
-            Self::Validation => "validation",
-            Self::Test => "test",
-        }
-    }
-}
-
-impl fmt::Display for Split {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
 }
 
 /// The match of a frame, as far as the document shows it: its video, else the folder of its image.

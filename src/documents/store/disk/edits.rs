@@ -1,18 +1,37 @@
-//! [`Store`] as a [`DocumentStore`]: journaling of edits, and versions of other programs.
+//! Journaling of edits, and versions of other programs.
 
 use super::Store;
-use super::contents::{Steps, read_contents, read_document};
+use super::contents::read_document;
 use crate::document::{Document, Edit, History, common_base};
 use crate::store::own_version::OwnVersion;
-use crate::store::{DocumentStore, Orphan, Others, Outside, StoreError};
+use crate::store::{Orphan, StoreError};
 use std::path::PathBuf;
 
-impl DocumentStore for Store {
-    fn load(&self) -> Result<Document, StoreError> {
-        Ok(read_contents(&self.location, Steps::Ignored)?.document)
-    }
+/// What to do with a version that another program wrote since this store last read or wrote the
+/// document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Others {
+    /// Leave it in place and do not write the document.
+    Stay,
+    /// Keep it under another name.
+    SetAside,
+}
 
-    fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError> {
+/// A document that another program changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outside {
+    /// The common base of both versions.
+    pub base: Document,
+    /// The other program's version.
+    pub theirs: Document,
+}
+
+impl Store {
+    /// Stores edits durably before it returns.
+    ///
+    /// # Errors
+    /// The place refuses them. Nothing has changed, so the edits may be appended again.
+    pub fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError> {
         // The edits of the deleted journal are only in memory: after them, these would not fit any
         // document on the disk.
         if self.needs_whole {
@@ -30,7 +49,12 @@ impl DocumentStore for Store {
         Ok(())
     }
 
-    fn since(&self) -> Result<Option<Outside>, StoreError> {
+    /// What other programs changed in the document since it was last read or written through this
+    /// store; none if they changed nothing.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn since(&self) -> Result<Option<Outside>, StoreError> {
         if !self.has_changed_on_disk()? {
             return Ok(None);
         }
@@ -44,7 +68,13 @@ impl DocumentStore for Store {
         Ok(Some(Outside { base, theirs }))
     }
 
-    fn keep_own(&mut self, own: &Document) -> Result<Option<Orphan>, StoreError> {
+    /// Stores `own`, a document with all edits of this program, beside the version that another
+    /// program wrote. Returns its path and the names of its edits; none if no other program changed
+    /// the document, or if `own` contains no change against the common base.
+    ///
+    /// # Errors
+    /// The place refuses it.
+    pub fn keep_own(&mut self, own: &Document) -> Result<Option<Orphan>, StoreError> {
         let base = match self.since() {
             Ok(None) => return Ok(None),
             Ok(Some(Outside { mut base, theirs })) => {
@@ -79,7 +109,14 @@ impl DocumentStore for Store {
         Ok(Some(orphan))
     }
 
-    fn keep(
+    /// Writes the whole document, with the steps that can be undone and redone in it. `document`
+    /// must contain all appended edits. Returns the path of the other program's version if it was
+    /// set aside.
+    ///
+    /// # Errors
+    /// Another program changed the document and `others` is [`Others::Stay`], or the place refuses
+    /// it.
+    pub fn keep(
         &mut self,
         document: &Document,
         history: &History<Document>,
@@ -91,7 +128,8 @@ impl DocumentStore for Store {
         }
     }
 
-    fn is_behind(&self) -> bool {
+    /// Whether edits have been appended since the whole document was last written.
+    pub const fn is_behind(&self) -> bool {
         self.behind
     }
 }
