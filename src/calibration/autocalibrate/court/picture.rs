@@ -301,3 +301,38 @@ fn apart_px(one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
     let median_px = median_high(&mut distances.collect::<Vec<f64>>());
     median_px.map_or(f64::INFINITY, |px| px / size.scale_from_1920())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use touchline_core::camera::Ptz;
+    use touchline_core::testing::turned_base;
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    /// What a picture says of a camera beside a court.
+    fn preferred(x_m: f64, pan_deg: f64) -> PictureCamera {
+        let base = turned_base([x_m, -24.0, 9.0], [0.0, 0.0, 0.0], SIZE);
+        PictureCamera {
+            camera: PtzCamera::new(base, Ptz::from_degrees(pan_deg, -18.0, 1200.0)),
+            nats: 500.0,
+            certainty: Certainty::Preferred,
+        }
+    }
+
+    #[test]
+    fn pictures_that_show_different_views_from_one_place_decide_together() {
+        let one = preferred(0.0, 0.0);
+        let decided = |other: PictureCamera| one.is_decided(&[Some(one), Some(other), None], SIZE);
+        assert!(decided(preferred(0.1, 12.0)));
+        assert!(!decided(preferred(0.0, 1.0)), "the same view once more");
+        assert!(!decided(preferred(2.0, 12.0)), "another place");
+        let certainty = Certainty::None;
+        let undecided = PictureCamera {
+            certainty,
+            ..preferred(0.1, 12.0)
+        };
+        assert!(!decided(undecided), "a picture that says nothing");
+        assert!(!undecided.is_decided(&[Some(one)], SIZE));
+    }
+}

@@ -436,25 +436,49 @@ mod tests {
         );
     }
 
+    /// The landmarks of the ground that a frame of a camera shows, as clicks.
+    fn clicks_on_all(camera: &AutocalibratedCamera, frame: usize) -> Vec<GroundClick> {
+        let frame = &camera.frames[frame];
+        let looking = PtzCamera::new(camera.base, frame.ptz);
+        let landmarks = project_landmarks(&camera.field, &looking, IMAGE_SIZE, 0.0);
+        let clicks = landmarks.iter().map(|shown| GroundClick {
+            frame: frame.index,
+            landmark: camera.field.landmarks[shown.landmark].id.clone(),
+            image: shown.image,
+        });
+        let on_ground = |click: &GroundClick| {
+            let landmark = camera.field.landmark(click.landmark.as_str());
+            landmark.is_some_and(touchline_core::field::Landmark::is_on_ground)
+        };
+        clicks.filter(on_ground).collect()
+    }
+
+    #[test]
+    fn clicks_in_a_frame_without_an_answer_contradict_another_place_of_the_camera() {
+        let (mut camera, document) = (hypothesis(&soccer().assumed).camera, document());
+        let clicks = clicks_on_all(&camera, 3);
+        assert!(clicks.len() >= 3, "{clicks:?}");
+        camera.frames.remove(3);
+        let doubt = |camera: &AutocalibratedCamera, clicks: &[GroundClick]| {
+            contradicting_click(camera, clicks, &document.frames)
+        };
+        assert_eq!(doubt(&camera, &clicks), None);
+        camera.base.position_m.x += 15.0;
+        let off = doubt(&camera, &clicks);
+        assert!(
+            matches!(off, Some(Doubt::ClickContradicts { .. })),
+            "{off:?}"
+        );
+        // Two clicks fit any place.
+        assert_eq!(doubt(&camera, &clicks[..2]), None);
+    }
+
     #[test]
     fn two_clicks_far_apart_where_the_camera_has_their_landmarks_confirm_it() {
         let (camera, document) = (hypothesis(&soccer().assumed).camera, document());
         // Two landmarks that one frame shows, at least 30 m apart.
-        let looking = |frame: &AutocalibratedFrame| PtzCamera::new(camera.base, frame.ptz);
-        let shown = |frame: &AutocalibratedFrame| -> Vec<GroundClick> {
-            let landmarks = project_landmarks(&camera.field, &looking(frame), IMAGE_SIZE, 0.0);
-            let on_ground = landmarks
-                .iter()
-                .filter(|shown| camera.field.landmarks[shown.landmark].is_on_ground());
-            on_ground
-                .map(|shown| GroundClick {
-                    frame: frame.index,
-                    landmark: camera.field.landmarks[shown.landmark].id.clone(),
-                    image: shown.image,
-                })
-                .collect()
-        };
-        let all: Vec<GroundClick> = camera.frames.iter().flat_map(shown).collect();
+        let shown = |frame: usize| clicks_on_all(&camera, frame);
+        let all: Vec<GroundClick> = (0..camera.frames.len()).flat_map(shown).collect();
         let frames = &document.frames;
         assert!(is_confirmed_by_clicks(&camera, &all, frames));
         assert!(
