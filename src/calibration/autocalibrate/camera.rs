@@ -282,9 +282,12 @@ impl<'a> Search<'a> {
         if clicks.len() >= MIN_CLICKS {
             let origin = PosesFrom::Clicks(&clicks);
             let answer = self.find_among(origin, &mut Vec::new(), matched, picture);
-            let Err(Stop::Abstained(_)) = answer else {
+            if !matches!(answer, Err(Stop::Abstained(_))) || is_court(&self.field_prior.assumed) {
                 return answer;
-            };
+            }
+        } else if is_court(&self.field_prior.assumed) {
+            // Without poses from clicks a court has no panorama: see `find_court`.
+            return Err(Abstention::NoCourt.into());
         }
         // The usual place first. Where it gives no answer, all other places are searched, and what
         // they give competes with the candidates from the usual place.

@@ -22,6 +22,8 @@
 //! 3. The best are adjusted to these lines, then to the paint beside them, and weighed in nats on
 //!    the ground that they themselves say is the court's (`picture.rs`), each line in the tone that
 //!    it has (`toned_markings.rs`).
+//!    A picture decides alone, or two that show different views decide where each prefers a camera
+//!    at the same place.
 //! 4. The answer of one picture is tried on the others: with its base they are aligned to their own
 //!    paint. The base is adjusted to all of them, and weighed once more (this file).
 //! 5. Of pictures in no usual proportion, which are cut out of others, other principal points are
@@ -44,7 +46,7 @@ mod toned_markings;
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, AutocalibrationEvidence};
 pub use search::{CourtAnswer, search_court};
 
-use picture::{MAX_CONTRADICTED, PictureCamera, camera_of_picture};
+use picture::{Certainty, MAX_CONTRADICTED, PictureCamera, camera_of_picture};
 use rayon::prelude::*;
 use toned_markings::{TonedMarkings, weigh_tones};
 use touchline_core::camera::{CameraBase, PanTilt, Ptz, PtzCamera, StatedLens};
@@ -107,10 +109,11 @@ fn find_court_camera(
         .par_iter()
         .map(|frame| camera_of_picture(frame, field, &lens.stated))
         .collect();
+    let size = frames.first()?.ground.size();
     let mut starts: Vec<&PictureCamera> = alone
         .iter()
         .flatten()
-        .filter(|found| found.is_decided)
+        .filter(|found| found.is_decided(&alone, size))
         .collect();
     starts.sort_by(|a, b| b.nats.total_cmp(&a.nats));
     starts.iter().take(MAX_STARTS).find_map(|start| {
@@ -164,7 +167,8 @@ impl OnBase {
         let is_outvoted = |aligned: &[Option<Snapped>]| {
             let num_aligned = aligned.iter().flatten().count();
             let elsewhere = aligned.iter().zip(alone).filter(|(aligned, alone)| {
-                aligned.is_none() && alone.is_some_and(|alone| alone.is_decided)
+                aligned.is_none()
+                    && alone.is_some_and(|alone| alone.certainty == Certainty::Decided)
             });
             num_aligned < MIN_ALIGNED.min(frames.len()) || num_aligned <= elsewhere.count()
         };

@@ -11,9 +11,11 @@ use crate::autocalibrate::frames::matched_frames::MatchedFrames;
 use crate::autocalibrate::search::clicked::GroundClick;
 use crate::autocalibrate::{Abstention, Doubt};
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame, UNSTEADY_SHARE};
-use touchline_core::camera::PtzCamera;
+use std::collections::BTreeMap;
+use touchline_core::camera::{Ptz, PtzCamera};
 use touchline_core::geometry::Vec3;
 use touchline_core::solve::base::FittedSize;
+use touchline_core::solve::{Observation, SolveContext, solve_frame};
 use touchline_documents::document::Frames;
 use touchline_vision::paint::MarkingPixels;
 
@@ -182,22 +184,51 @@ struct ClickOffset<'a> {
     off_px_at_1920: f64,
 }
 
+/// The views of a camera's frames, by their index in the document.
+fn answered_views(camera: &AutocalibratedCamera) -> BTreeMap<usize, Ptz> {
+    let frames = camera.frames.iter();
+    frames
+        .map(|frame| (frame.index, frame.best_ptz()))
+        .collect()
+}
+
+/// The views from a camera's base, by their own clicks alone, of the frames that have enough of them
+/// to contradict it.
+fn views_by_clicks(
+    camera: &AutocalibratedCamera,
+    clicks: &[GroundClick],
+    frames: &Frames,
+) -> BTreeMap<usize, Ptz> {
+    /// Two clicks fit pan, tilt and focal length on any base.
+    const MIN_CONTRADICTING: usize = 3;
+    let mut of_frames: BTreeMap<usize, Vec<Observation>> = BTreeMap::new();
+    for (index, click) in clicks.iter().enumerate() {
+        let (name, size) = (click.landmark.as_str(), frames[click.frame].image_size);
+        let seen = Observation::from_landmark(&camera.field, name, click.image, size, index);
+        of_frames.entry(click.frame).or_default().extend(seen.ok());
+    }
+    of_frames.retain(|_, seen| seen.len() >= MIN_CONTRADICTING);
+    let view = |(frame, seen): (usize, Vec<Observation>)| {
+        let context = SolveContext::new(frames[frame].image_size);
+        Some((frame, solve_frame(&camera.base, &seen, &context).ok()?.ptz))
+    };
+    of_frames.into_iter().filter_map(view).collect()
+}
+
 /// Compares the clicks with the projections of their landmarks. `clicks` use the indices of the
-/// document. Clicks in frames that the camera does not answer, or on landmarks that its field
-/// lacks, say nothing.
+/// document. Clicks in frames without a view, or on landmarks that the camera's field lacks, say
+/// nothing.
 fn click_offsets<'a>(
     camera: &'a AutocalibratedCamera,
+    views: BTreeMap<usize, Ptz>,
     clicks: &'a [GroundClick],
     frames: &'a Frames,
 ) -> impl Iterator<Item = ClickOffset<'a>> {
-    clicks.iter().filter_map(|click| {
-        let found = camera
-            .frames
-            .iter()
-            .find(|frame| frame.index == click.frame)?;
+    clicks.iter().filter_map(move |click| {
+        let view = *views.get(&click.frame)?;
         let landmark = camera.field.landmark(click.landmark.as_str())?;
         let landmark_m = camera.field.landmark_in_world(landmark);
-        let seen = PtzCamera::new(camera.base, found.best_ptz()).image_from_world(landmark_m);
+        let seen = PtzCamera::new(camera.base, view).image_from_world(landmark_m);
         // A landmark behind the camera cannot be seen where it was clicked.
         let off_px = seen.map_or(f64::INFINITY, |seen| seen.distance_px(click.image));
         Some(ClickOffset {
@@ -209,13 +240,16 @@ fn click_offsets<'a>(
     })
 }
 
-/// The reason to reject a camera that a click contradicts, for the first such click.
+/// The reason to reject a camera that a click contradicts, for the first such click. A frame that
+/// the camera does not answer is looked at from its base: the clicks of the frame choose the view.
 pub fn contradicting_click(
     camera: &AutocalibratedCamera,
     clicks: &[GroundClick],
     frames: &Frames,
 ) -> Option<Doubt> {
-    click_offsets(camera, clicks, frames)
+    let mut views = views_by_clicks(camera, clicks, frames);
+    views.extend(answered_views(camera));
+    click_offsets(camera, views, clicks, frames)
         .find(|offset| offset.off_px_at_1920 > CONTRADICTING_PX)
         .map(|offset| Doubt::ClickContradicts {
             landmark: offset.click.landmark.as_str().to_owned(),
@@ -231,7 +265,7 @@ pub fn is_confirmed_by_clicks(
     clicks: &[GroundClick],
     frames: &Frames,
 ) -> bool {
-    let near_m: Vec<Vec3> = click_offsets(camera, clicks, frames)
+    let near_m: Vec<Vec3> = click_offsets(camera, answered_views(camera), clicks, frames)
         .filter(|offset| offset.off_px_at_1920 <= CONFIRMING_PX)
         .map(|offset| offset.landmark_m)
         .collect();
@@ -402,25 +436,49 @@ mod tests {
         );
     }
 
+    /// The landmarks of the ground that a frame of a camera shows, as clicks.
+    fn clicks_on_all(camera: &AutocalibratedCamera, frame: usize) -> Vec<GroundClick> {
+        let frame = &camera.frames[frame];
+        let looking = PtzCamera::new(camera.base, frame.ptz);
+        let landmarks = project_landmarks(&camera.field, &looking, IMAGE_SIZE, 0.0);
+        let clicks = landmarks.iter().map(|shown| GroundClick {
+            frame: frame.index,
+            landmark: camera.field.landmarks[shown.landmark].id.clone(),
+            image: shown.image,
+        });
+        let on_ground = |click: &GroundClick| {
+            let landmark = camera.field.landmark(click.landmark.as_str());
+            landmark.is_some_and(touchline_core::field::Landmark::is_on_ground)
+        };
+        clicks.filter(on_ground).collect()
+    }
+
+    #[test]
+    fn clicks_in_a_frame_without_an_answer_contradict_another_place_of_the_camera() {
+        let (mut camera, document) = (hypothesis(&soccer().assumed).camera, document());
+        let clicks = clicks_on_all(&camera, 3);
+        assert!(clicks.len() >= 3, "{clicks:?}");
+        camera.frames.remove(3);
+        let doubt = |camera: &AutocalibratedCamera, clicks: &[GroundClick]| {
+            contradicting_click(camera, clicks, &document.frames)
+        };
+        assert_eq!(doubt(&camera, &clicks), None);
+        camera.base.position_m.x += 15.0;
+        let off = doubt(&camera, &clicks);
+        assert!(
+            matches!(off, Some(Doubt::ClickContradicts { .. })),
+            "{off:?}"
+        );
+        // Two clicks fit any place.
+        assert_eq!(doubt(&camera, &clicks[..2]), None);
+    }
+
     #[test]
     fn two_clicks_far_apart_where_the_camera_has_their_landmarks_confirm_it() {
         let (camera, document) = (hypothesis(&soccer().assumed).camera, document());
         // Two landmarks that one frame shows, at least 30 m apart.
-        let looking = |frame: &AutocalibratedFrame| PtzCamera::new(camera.base, frame.ptz);
-        let shown = |frame: &AutocalibratedFrame| -> Vec<GroundClick> {
-            let landmarks = project_landmarks(&camera.field, &looking(frame), IMAGE_SIZE, 0.0);
-            let on_ground = landmarks
-                .iter()
-                .filter(|shown| camera.field.landmarks[shown.landmark].is_on_ground());
-            on_ground
-                .map(|shown| GroundClick {
-                    frame: frame.index,
-                    landmark: camera.field.landmarks[shown.landmark].id.clone(),
-                    image: shown.image,
-                })
-                .collect()
-        };
-        let all: Vec<GroundClick> = camera.frames.iter().flat_map(shown).collect();
+        let shown = |frame: usize| clicks_on_all(&camera, frame);
+        let all: Vec<GroundClick> = (0..camera.frames.len()).flat_map(shown).collect();
         let frames = &document.frames;
         assert!(is_confirmed_by_clicks(&camera, &all, frames));
         assert!(
