@@ -19,6 +19,7 @@
 
 mod background;
 mod decoder;
+mod drawn_broadcast;
 mod drawn_match;
 mod error;
 #[cfg(test)]
@@ -38,6 +39,7 @@ mod worker;
 
 pub use background::{Background, BackgroundReport, Panicked, Reporter, until_it_panics};
 pub use decoder::{Decoder, FrameState};
+pub use drawn_broadcast::broadcast_truth;
 pub use drawn_match::{DrawnMatch, DrawnPicture, MatchOrder, draw_match};
 pub use error::JobError;
 pub use frame_orders::DecoderReport;

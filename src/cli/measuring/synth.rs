@@ -1,5 +1,6 @@
 //! `touchline synth`: draws a match with exact truth, as a project.
 
+use super::broadcast::draw_broadcast;
 use crate::cli::Outcome;
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::{refuse_existing, refuse_file, write_file};
@@ -8,14 +9,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use touchline_application::jobs::{DrawnPicture, MatchOrder, draw_match};
 use touchline_core::geometry::{ImageSize, pluralise};
-use touchline_documents::document::document_to_string;
+use touchline_documents::document::{Document, document_to_string};
 use touchline_documents::store::{Location, PROJECT_FILE, write_document};
 use touchline_vision::synthetic::{
     CameraSide, Graphics, Preset, Scene, SceneError, Setting, ShootOptions,
 };
 
 /// The file beside the project with the exact cameras.
-const TRUTH_FILE: &str = "truth.json";
+pub(super) const TRUTH_FILE: &str = "truth.json";
 
 /// The file that marks a folder while a match is drawn in it. One that was stopped leaves it, so
 /// that another run may draw over what is there.
@@ -26,17 +27,21 @@ const UNFINISHED_FILE: &str = "synth.unfinished";
 /// DIR gets images/0001.jpg and so on, project.json (the camera's base is known, no frame is
 /// solved) and truth.json (the same with the exact pan, tilt and focal length of every frame and
 /// the boxes of the players). The same options give the same bytes.
+///
+/// With `--broadcast` DIR gets broadcast.mp4, a match cut together from several cameras with
+/// replays, close-ups, spectators and transitions, and truth.json with the exact camera of every
+/// frame and the shots. It needs the program ffmpeg.
 #[derive(clap::Args, Debug)]
 pub struct SynthArgs {
     /// The folder to write; an empty one counts as absent.
     #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// How many frames.
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
     /// Chooses the stadium, the match and the camera's path.
     #[arg(long, value_name = "S", default_value_t = 1)]
-    seed: u64,
+    pub(super) seed: u64,
     /// What is drawn: stadium, basketball, hockey, tennis, badminton, volleyball, handball or
     /// football (American).
     #[arg(long, default_value = "stadium")]
@@ -49,10 +54,10 @@ pub struct SynthArgs {
     still: bool,
     /// The size of the frames, px.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", value_parser = image_size)]
-    size: ImageSize,
+    pub(super) size: ImageSize,
     /// The difficulty of lens, light and sensor: easy, paper or hard.
     #[arg(long, default_value = "paper")]
-    preset: Preset,
+    pub(super) preset: Preset,
     /// JPEG quality; the preset's by default.
     #[arg(long, value_name = "1..100", value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: Option<u8>,
@@ -82,9 +87,20 @@ pub struct SynthArgs {
         "graphics", "unmasked",
     ])]
     demo: bool,
+    /// Draw a broadcast of this many seconds instead of single frames, 25 frames a second.
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(4..=36_000),
+        conflicts_with_all = [
+            "frames", "scene", "camera", "still", "quality", "step", "masks", "graphics",
+            "unmasked", "demo",
+        ])]
+    pub(super) broadcast: Option<u32>,
+    /// How many cameras in the stands a broadcast has.
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "broadcast",
+        value_parser = clap::value_parser!(u8).range(3..=7))]
+    pub(super) cameras: u8,
     /// Draw over an earlier match; files of other names stay.
     #[arg(long)]
-    force: bool,
+    pub(super) force: bool,
 }
 
 /// A graphic over the picture.
@@ -144,14 +160,13 @@ fn order_of(args: &SynthArgs) -> Result<MatchOrder, SceneError> {
 /// # Errors
 /// The folder has other content and `--force` was not given, or a file cannot be written.
 pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    if let Some(seconds) = args.broadcast {
+        return draw_broadcast(args, seconds, messages);
+    }
     let order = order_of(args)?;
-    refuse_existing(&args.output, args.force)?;
-    refuse_file(&args.output, "the match")?;
-    refuse_other_project(&args.output)?;
+    let folder = DrawnFolder::begin(&args.output, args.force)?;
     fs::create_dir_all(args.output.join("images"))
         .with_context(|| format!("cannot make {}", args.output.display()))?;
-    let unfinished = args.output.join(UNFINISHED_FILE);
-    write_file(&unfinished, b"", true)?;
     let progress = messages.progress(order.frames, "Drawing frames");
     let drawn = draw_match(&order, &mut |picture: DrawnPicture| -> anyhow::Result<()> {
         write_file(&args.output.join(&picture.image), &picture.jpeg, args.force)?;
@@ -164,23 +179,62 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
         Ok(())
     })?;
     progress.finish_and_clear();
-    // An earlier truth is a document, which no other file replaces: it goes first.
-    let truth = args.output.join(TRUTH_FILE);
-    if args.force && truth.is_file() {
-        fs::remove_file(&truth).with_context(|| format!("cannot replace {}", truth.display()))?;
-    }
-    write_file(&truth, document_to_string(&drawn.truth)?.as_bytes(), false)?;
     // The truth is written first. It marks the folder as one that this command may draw over.
+    folder.write_truth(&drawn.truth)?;
     let location = Location::for_new_document(&args.output.join(""))?;
     write_document(&location, &drawn.project, args.force)?;
-    fs::remove_file(&unfinished)
-        .with_context(|| format!("cannot remove {}", unfinished.display()))?;
+    folder.finish()?;
     messages.note(&format!(
         "{}: {}, the truth in {TRUTH_FILE}",
         location.file().display(),
         pluralise(order.frames, "frame")
     ));
     Ok(Outcome::Done)
+}
+
+/// The folder of a match that is being drawn.
+pub(super) struct DrawnFolder<'a> {
+    path: &'a Path,
+    force: bool,
+}
+
+impl<'a> DrawnFolder<'a> {
+    /// Makes the folder and marks it as unfinished.
+    ///
+    /// # Errors
+    /// It has other content, or something and `force` is not set, or it cannot be made.
+    pub fn begin(path: &'a Path, force: bool) -> anyhow::Result<Self> {
+        refuse_existing(path, force)?;
+        refuse_file(path, "the match")?;
+        refuse_other_project(path)?;
+        fs::create_dir_all(path).with_context(|| format!("cannot make {}", path.display()))?;
+        write_file(&path.join(UNFINISHED_FILE), b"", true)?;
+        Ok(Self { path, force })
+    }
+
+    /// Writes the truth, in place of an earlier one.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_truth(&self, document: &Document) -> anyhow::Result<()> {
+        // An earlier truth is a document, which no other file replaces: it goes first.
+        let truth = self.path.join(TRUTH_FILE);
+        if self.force && truth.is_file() {
+            fs::remove_file(&truth)
+                .with_context(|| format!("cannot replace {}", truth.display()))?;
+        }
+        write_file(&truth, document_to_string(document)?.as_bytes(), false)
+    }
+
+    /// Takes the mark away.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn finish(self) -> anyhow::Result<()> {
+        let unfinished = self.path.join(UNFINISHED_FILE);
+        fs::remove_file(&unfinished)
+            .with_context(|| format!("cannot remove {}", unfinished.display()))
+    }
 }
 
 /// Refuses a folder with a project that this command did not draw: pictures of a drawn match could

@@ -5,6 +5,7 @@
 //! | [`Picture`] | decoded pixels, cheap to clone |
 //! | [`load_image`], [`image_size`], [`list_images`] | image files: PNG, JPEG, TIFF, BMP, WebP; EXIF orientation applied |
 //! | [`Video`], [`VideoInfo`] | frames of a video by their index among the frames that decode (through `ffmpeg`, or OpenCV if built in) |
+//! | `VideoWriter` | a video, written frame by frame (through `ffmpeg`) |
 //! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; reading of frames |
 //! | [`FrameStream`] | a list of frames, read in order |
 //! | [`CachedReader`] | reading of frames several times that decodes them once, within a byte budget |
@@ -49,4 +50,5 @@ pub use {
     source::{FolderListing, FrameSource, has_image_extension, list_images},
     stream::{FrameStream, StreamedFrame},
     thumbnail::{THUMBNAIL_SIZE, letterbox},
+    video::VideoWriter,
 };

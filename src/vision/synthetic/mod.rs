@@ -12,6 +12,9 @@
 //!
 //! [`Stadium::at`] lets spectators move and boards change between frames, as they do in a real one.
 //!
+//! [`Broadcast`] cuts pictures of several cameras together: shots and replays, with the transitions
+//! between them.
+//!
 //! Patterns finer than a pixel fade instead of aliasing; lines, people, posts and nets are covered
 //! analytically; where surfaces meet, a pixel is the mean of a grid of rays. Everything is a plain
 //! function of seed, place and time, so the same options give the same bytes at any number of
@@ -20,10 +23,12 @@
 mod boards;
 mod body;
 mod bowl;
+mod broadcast;
 mod clicks;
 mod courts;
 mod coverage;
 mod crowd;
+mod director;
 mod floor;
 mod graphics;
 mod grass;
@@ -40,16 +45,18 @@ mod solid;
 mod stadium;
 mod text;
 mod texture;
+mod transition;
 
 pub use options::Moment;
 pub use stadium::stadium;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    clicks::ClickOptions, clicks::ClickTarget, clicks::SyntheticClick, clicks::generate_clicks,
-    courts::CameraSide, courts::SceneError, courts::Setting, options::CameraMotion,
-    options::Daylight, options::FrameOptions, options::Graphics, options::Preset, options::Scene,
-    options::ShootOptions, options::StadiumOptions, options::UnknownPreset, path::PathStep,
-    path::camera_path, play::Side, props::Mover, render::RenderedFrame, render::SeenMover,
-    stadium::Stadium,
+    broadcast::Broadcast, broadcast::BroadcastOptions, clicks::ClickOptions, clicks::ClickTarget,
+    clicks::SyntheticClick, clicks::generate_clicks, courts::CameraSide, courts::SceneError,
+    courts::Setting, director::BROADCAST_FPS, director::BroadcastShot, director::ShotSubject,
+    options::CameraMotion, options::Daylight, options::FrameOptions, options::Graphics,
+    options::Preset, options::Scene, options::ShootOptions, options::StadiumOptions,
+    options::UnknownPreset, path::PathStep, path::camera_path, play::Side, props::Mover,
+    render::RenderedFrame, render::SeenMover, stadium::Stadium, transition::TransitionStyle,
 };

@@ -30,15 +30,7 @@ pub fn camera_path(
     shoot: &ShootOptions,
     frames: usize,
 ) -> Vec<PathStep> {
-    let operator = Operator {
-        play: stadium.play,
-        base: *base,
-        seed: sub_seed(stadium.options.seed, 0xCA3E),
-        focal_px: shoot
-            .focal_px_at_1280
-            .map(|focal| focal * scale_from_1280(image_size)),
-        half_height_px: 0.5 * f64::from(image_size.height),
-    };
+    let operator = Operator::new(stadium, base, image_size, shoot.focal_px_at_1280, 0);
     let still = shoot
         .is_still
         .then(|| whole_field(base, stadium.field(), image_size));
@@ -143,7 +135,9 @@ impl ShootOptions {
     }
 }
 
-struct Operator {
+/// Who points a camera at the play.
+#[derive(Clone, Debug)]
+pub(super) struct Operator {
     play: Play,
     base: CameraBase,
     seed: u32,
@@ -152,6 +146,29 @@ struct Operator {
 }
 
 impl Operator {
+    /// The operator of a camera with these focal lengths, px at 1280 px width; each number is
+    /// another one, with hands of his own.
+    pub fn new(
+        stadium: &Stadium,
+        base: &CameraBase,
+        image_size: ImageSize,
+        focal_px_at_1280: [f64; 2],
+        number: u32,
+    ) -> Self {
+        Self {
+            play: stadium.play,
+            base: *base,
+            seed: sub_seed(stadium.options.seed, 0xCA3E) ^ (number << 8),
+            focal_px: focal_px_at_1280.map(|focal| focal * scale_from_1280(image_size)),
+            half_height_px: 0.5 * f64::from(image_size.height),
+        }
+    }
+
+    /// The camera's base.
+    pub const fn base(&self) -> &CameraBase {
+        &self.base
+    }
+
     /// The ball as a human operator follows it: averaged over the last second and a half, slightly
     /// extrapolated.
     fn attention(&self, time_s: f64) -> Vec3 {
@@ -171,11 +188,15 @@ impl Operator {
         PathStep {
             time_s,
             ptz: still.unwrap_or_else(|| self.ptz(time_s)),
-            motion: still.map_or_else(|| self.motion(time_s), |_| CameraMotion::default()),
+            motion: still.map_or_else(
+                || motion_at(|at| self.ptz(at), time_s),
+                |_| CameraMotion::default(),
+            ),
         }
     }
 
-    fn ptz(&self, time_s: f64) -> Ptz {
+    /// Where the camera points at a time since kick-off.
+    pub fn ptz(&self, time_s: f64) -> Ptz {
         let target = self.attention(time_s);
         let aim = PanTilt::from_direction(self.base.base_from_world_point(target));
         // Short and long are a factor apart, so the zoom walks on a logarithmic scale.
@@ -196,17 +217,18 @@ impl Operator {
             focal_px.clamp(short, long),
         )
     }
+}
 
-    fn motion(&self, time_s: f64) -> CameraMotion {
-        // Central differences of the path itself, so that the motion is that of the poses.
-        let step = 0.01;
-        let (before, after) = (self.ptz(time_s - step), self.ptz(time_s + step));
-        let per_s = 0.5 / step;
-        CameraMotion {
-            pan_per_s: after.pan.turn_from(before.pan) * per_s,
-            tilt_per_s: (after.tilt - before.tilt) * per_s,
-            zoom_per_s: (after.focal_px / before.focal_px).ln() * per_s,
-        }
+/// How a camera moves at a moment of its path.
+pub(super) fn motion_at(ptz: impl Fn(f64) -> Ptz, time_s: f64) -> CameraMotion {
+    // Central differences of the path itself, so that the motion is that of the poses.
+    let step = 0.01;
+    let (before, after) = (ptz(time_s - step), ptz(time_s + step));
+    let per_s = 0.5 / step;
+    CameraMotion {
+        pan_per_s: after.pan.turn_from(before.pan) * per_s,
+        tilt_per_s: (after.tilt - before.tilt) * per_s,
+        zoom_per_s: (after.focal_px / before.focal_px).ln() * per_s,
     }
 }
 

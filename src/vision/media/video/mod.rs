@@ -24,10 +24,12 @@ mod sample_table;
 mod survey;
 #[cfg(test)]
 mod times_only;
+mod write;
 
 pub use backend::VideoBackend;
 pub use clock::FrameClock;
 pub use decode::Video;
+pub use write::VideoWriter;
 
 use super::Notice;
 use capture::{Capture, StatedProperties, turned_aspect};
