@@ -9,6 +9,7 @@
 
 mod bad_videos;
 mod cameras_of_videos;
+mod drawn_broadcast;
 #[allow(dead_code, reason = "shared by several crates")]
 #[path = "../shared/headless.rs"]
 mod headless;
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
     let modules: &[&[parts::Test]] = &[
         bad_videos::TESTS,
         cameras_of_videos::TESTS,
+        drawn_broadcast::TESTS,
         media::TESTS,
         motion_330::TESTS,
         mutated_originals::TESTS,

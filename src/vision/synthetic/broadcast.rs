@@ -1,8 +1,8 @@
 //! A broadcast of the drawn match: several cameras, the shots that a director takes from them, and
 //! the pictures of every frame.
 //!
-//! Hard by intent: all shots have one turf, boards change while the match goes on, one camera leans,
-//! and another one stands beside the main camera and has nearly its view.
+//! Hard by intent: all shots have one turf, boards change while the match goes on, one camera
+//! leans, and another one stands beside the main camera and has nearly its view.
 
 use super::director::plan_shots;
 use super::options::{FrameOptions, Graphics, Moment, ShootOptions, StadiumOptions};
@@ -59,11 +59,13 @@ const BOARDS_CHANGED: f64 = 0.6;
 /// Frames after which spectators move.
 const CROWD_FRAMES: usize = 8;
 
-/// Share of the picture's height that a player takes in a close-up; his height and that of his
-/// chest, m.
-const CLOSE_UP_SHARE: f64 = 0.8;
+/// Height of a player in a close-up, from the waist up, in heights of the picture; his height and
+/// that of his chest, m.
+const CLOSE_UP_SHARE: f64 = 1.6;
 const PLAYER_M: f64 = 1.8;
-const CHEST_M: f64 = 1.1;
+const CHEST_M: f64 = 1.3;
+/// Distance within which players are shown in close-ups, m.
+const NEAR_M: f64 = 40.0;
 /// Focal length for spectators, px at 1280 px width; where in the stands opposite it points, beyond
 /// the touchline and up, m; and how fast it pans along them, m/s.
 const CROWD_FOCAL_PX: f64 = 3600.0;
@@ -84,7 +86,8 @@ impl Broadcast {
     /// How many cameras a broadcast may have in the stands.
     pub const CAMERAS: RangeInclusive<usize> = 3..=PLACES.len();
 
-    /// Plans a broadcast of a match on a field; a number of cameras out of range is brought into it.
+    /// Plans a broadcast of a match on a field. A number of cameras out of range is brought into
+    /// it.
     pub fn new(options: &BroadcastOptions, field: FieldModel) -> Self {
         let stadium = stadium(&StadiumOptions {
             daylight: options.shoot.daylight,
@@ -207,18 +210,22 @@ impl Broadcast {
         }
     }
 
-    /// Follows the player who is nearest to the camera when the shot begins.
+    /// Follows whoever runs least of those near the camera: a director shows a player after the
+    /// event, not in a sprint.
     fn close_up(&self, shot: &BroadcastShot, base: &CameraBase, time_s: f64) -> Ptz {
         let at = base.position_m;
         let place_of = |[x, y]: [f64; 2]| Vec3::new(x, y, CHEST_M);
-        let people = self.stadium.play.people(shot.start_s);
-        let distances = people
-            .iter()
-            .map(|person| (place_of(person.place) - at).norm());
-        let nearest = distances
-            .enumerate()
-            .min_by(|(_, a), (_, b)| a.total_cmp(b));
-        let index = nearest.map_or(0, |(index, _)| index);
+        let moments = [0.0, 1.0, 2.0, 3.0].map(|s| self.stadium.play.people(shot.start_s + s));
+        let unrest = |index: &usize| -> f64 {
+            let people = moments.iter().map(|people| &people[*index]);
+            let speeds = people.map(|person| person.velocity[0].hypot(person.velocity[1]));
+            let distance_m = (place_of(moments[0][*index].place) - at).norm();
+            speeds.sum::<f64>() + (distance_m - NEAR_M).max(0.0)
+        };
+        let all = 0..moments[0].len();
+        let index = all
+            .min_by(|a, b| unrest(a).total_cmp(&unrest(b)))
+            .unwrap_or(0);
         // A hand that is a little late and smooths the stride.
         let taps = [-0.5, -0.3, -0.1, 0.1].map(|tap| self.stadium.play.people(time_s + tap));
         let places = taps.iter().filter_map(|people| people.get(index));

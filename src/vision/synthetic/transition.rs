@@ -112,7 +112,7 @@ impl LogoBand {
             width,
             size,
             logo: rasterise("ARENA LIVE", 0.16 * size[1], 0.004 * size[0]),
-            colours: [kits.home.shirt, kits.away.shirt, hex(0xF6_F7F9)],
+            colours: [hex(0x0D_1730), kits.home.shirt, hex(0xF6_F7F9)],
         }
     }
 

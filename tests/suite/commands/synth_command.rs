@@ -106,6 +106,10 @@ fn wrong_orders_are_refused_in_one_line() {
         (&["--camera", "roof"], "side, end, corner"),
         (&["--demo", "--still"], "--demo"),
         (&["--demo", "--frames", "3"], "--demo"),
+        (&["--broadcast", "3"], "3 is not in 4..=36000"),
+        (&["--broadcast", "9", "--frames", "3"], "--broadcast"),
+        (&["--broadcast", "9", "--cameras", "2"], "2 is not in 3..=7"),
+        (&["--cameras", "4"], "--broadcast"),
     ] {
         let output = synth(arguments, &place);
         let told = String::from_utf8_lossy(&output.stderr).into_owned();

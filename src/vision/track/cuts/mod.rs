@@ -235,7 +235,7 @@ impl CutFinder {
             return None;
         }
         let (mut start, mut count, mut peak) = (end, 0, 0.0_f32);
-        for at in (end.saturating_sub(MOST_GRAPHIC)..=end).rev() {
+        for at in (end.saturating_sub(MOST_GRAPHIC + GRAPHIC_GAP)..=end).rev() {
             if start - at > GRAPHIC_GAP {
                 break;
             }
@@ -244,7 +244,8 @@ impl CutFinder {
                 peak = peak.max(self.measured[at].step);
             }
         }
-        if count < LEAST_GRAPHIC || peak < GRAPHIC_PEAK {
+        // A run that goes on for longer is a picture that moves fast.
+        if count < LEAST_GRAPHIC || peak < GRAPHIC_PEAK || end - start > MOST_GRAPHIC {
             return None;
         }
         let (before, after) = (self.frame(start.checked_sub(1)?)?, self.frame(end)?);
