@@ -3,7 +3,7 @@
 use super::Panel;
 use super::controls::symbol::Symbol;
 use super::controls::theme::Themed as _;
-use super::controls::{Heading, symbol};
+use super::controls::{Heading, replace_remembered, symbol};
 use super::drawing::pictures::paint_filling;
 use super::review::{paint_ground, text_within};
 use egui::{Align, Button, Layout, Rect, Role, ScrollArea, Sense, Ui, Vec2, WidgetInfo, vec2};
@@ -45,7 +45,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .resizable(false)
         .frame(egui::Frame::new().inner_margin(EDGE))
         .show(ui, |ui| footer(panel, ui, is_wide));
-    let scrolled = has_moved(ui, queue.at());
+    let memory = egui::Id::unique("match of the queue");
+    let scrolled = replace_remembered(ui, memory, queue.at()) != Some(queue.at());
     ScrollArea::vertical()
         .id_salt("queue")
         .auto_shrink(false)
@@ -61,17 +62,6 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 }
             }
         });
-}
-
-/// Whether another match is shown than when the panel was drawn last.
-fn has_moved(ui: &Ui, at: usize) -> bool {
-    let memory = egui::Id::unique("match of the queue");
-    let before = ui.data_mut(|data| {
-        let before = data.get_temp::<usize>(memory);
-        data.insert_temp(memory, at);
-        before
-    });
-    before != Some(at)
 }
 
 /// Shows a match: its picture, name, state, length and doubts; in a narrow panel below each other.

@@ -9,7 +9,8 @@ pub mod theme;
 use self::symbol::Symbol;
 use self::theme::Themed as _;
 use super::{Panel, key_in_brackets};
-use egui::{Align, Button, Frame, Id, Layout, Margin, RichText, Ui, Widget, WidgetText};
+use egui::{Align, Button, Context, Frame, Id, Layout, Margin, RichText, Ui, Widget, WidgetText};
+use std::any::Any;
 use touchline_application::app::Command;
 
 /// A title, and at the right end a button that closes the panel or page.
@@ -61,6 +62,19 @@ impl Heading<'_> {
 /// Shows a button with a tooltip. Returns whether it was clicked.
 pub fn show_button(ui: &mut Ui, button: impl Widget, tip: impl Into<WidgetText>) -> bool {
     ui.add(button).on_hover_text(tip).clicked()
+}
+
+/// Remembers a value for the next frame of the window. Returns the one from before.
+pub fn replace_remembered<T: 'static + Any + Clone + Send + Sync>(
+    ctx: &Context,
+    memory: Id,
+    now: T,
+) -> Option<T> {
+    ctx.data_mut(|data| {
+        let before = data.get_temp(memory);
+        data.insert_temp(memory, now);
+        before
+    })
 }
 
 /// Shows the rows of a list with a unique name, of which the first few stand alone until the user

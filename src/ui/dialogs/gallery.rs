@@ -2,7 +2,7 @@
 //! of the review panel. Frames are selected by clicks, by dragging over them and by keys, and
 //! accepted or rejected together. What was not drawn cannot be accepted.
 
-use super::sheet;
+use super::{has_just_opened, remembered, sheet};
 use crate::ui::Panel;
 use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
@@ -44,11 +44,8 @@ struct GalleryState {
 /// Shows the gallery.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let memory = Id::unique("gallery");
-    let opened = super::has_just_opened(ctx, "gallery");
-    let mut state = ctx
-        .data(|data| data.get_temp::<GalleryState>(memory))
-        .filter(|_| !opened)
-        .unwrap_or_default();
+    let opened = has_just_opened(ctx, "gallery");
+    let mut state: GalleryState = remembered(ctx, memory, opened).unwrap_or_default();
     let review = panel.app.review();
     let rows: Vec<ReviewRow> = review
         .rows

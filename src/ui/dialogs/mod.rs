@@ -23,14 +23,15 @@ mod typed;
 pub use keys::captures_keys;
 
 use super::{Panel, key_in_brackets};
-use crate::ui::controls::show_button;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{replace_remembered, show_button};
 use crate::ui::controls::{symbol, theme};
 use crate::ui::rows::menu::is_on;
 use egui::{
     Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText,
     Sense, Ui, Vec2, vec2,
 };
+use std::any::Any;
 use touchline_application::app::Command;
 use touchline_application::app::session::Dialog;
 
@@ -75,11 +76,13 @@ fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
     );
     // A dialog asks once in every frame of the window in which it is shown, so a gap in the numbers
     // means that it was closed.
-    ctx.data_mut(|data| {
-        let before = data.get_temp::<u64>(memory);
-        data.insert_temp(memory, now);
-        before.is_none_or(|before| before + 1 < now)
-    })
+    replace_remembered(ctx, memory, now).is_none_or(|before| before + 1 < now)
+}
+
+/// What was typed into or chosen in a dialog so far, unless it has just opened.
+fn remembered<T: 'static + Any + Clone>(ctx: &Context, memory: Id, has_opened: bool) -> Option<T> {
+    ctx.data(|data| data.get_temp(memory))
+        .filter(|_| !has_opened)
 }
 
 /// Darkens the window behind a dialog. A click there closes the dialog; nothing behind it can have

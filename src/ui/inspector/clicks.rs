@@ -3,7 +3,7 @@
 use crate::ui::Panel;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::{Palette, Themed as _};
-use crate::ui::controls::{symbol, theme};
+use crate::ui::controls::{replace_remembered, symbol, theme};
 use crate::ui::drawing::labels::{self, lay_out_within};
 use crate::ui::rows::menu;
 use egui::{
@@ -208,11 +208,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click, into_vie
 /// another frame. `now` is the shown frame and its selected point.
 fn is_newly_selected(ui: &Ui, now: (usize, Option<usize>)) -> bool {
     let memory = egui::Id::unique("selected point in view");
-    ui.data_mut(|data| {
-        let before = data.get_temp::<(usize, Option<usize>)>(memory);
-        data.insert_temp(memory, now);
-        before != Some(now)
-    })
+    replace_remembered(ui, memory, now) != Some(now)
 }
 
 /// The buttons at the end of a row: delete the point, make it a check point or an ordinary one.

@@ -2,9 +2,9 @@
 //! are collapsed by default.
 
 use crate::ui::Panel;
-use crate::ui::controls::show_button;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{replace_remembered, show_button};
 use crate::ui::controls::{symbol, theme};
 use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use touchline_application::app::camera_text::CameraText;
@@ -88,11 +88,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
     // When the window has just opened, nothing was collapsed before: `before` is none.
     let memory = egui::Id::unique("details are shown");
-    ui.data_mut(|data| {
-        let before = data.get_temp::<bool>(memory);
-        data.insert_temp(memory, open);
-        open && before == Some(false)
-    })
+    replace_remembered(ui, memory, open) == Some(false) && open
 }
 
 /// Maximum width of a value, points.

@@ -4,9 +4,9 @@
 //! check and the switch for training.
 
 use crate::ui::Panel;
-use crate::ui::controls::show_button;
 use crate::ui::controls::symbol::Symbol;
 use crate::ui::controls::theme::Themed as _;
+use crate::ui::controls::{replace_remembered, show_button};
 use crate::ui::controls::{symbol, theme};
 use crate::ui::drawing::labels::lay_out_within;
 use egui::{
@@ -369,13 +369,9 @@ fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
         .button("Compare")
         .on_hover_text(panel.app.settings.keys.tooltip(Command::Compare));
     let pressed = egui::Id::unique("compare is pressed");
-    let before = ui
-        .data(|data| data.get_temp::<bool>(pressed))
-        .unwrap_or(false);
     // Only changes are reported, as for a key that goes down and up.
     let down = response.is_pointer_button_down_on();
-    if down != before {
-        ui.data_mut(|data| data.insert_temp(pressed, down));
+    if down != replace_remembered(ui, pressed, down).unwrap_or(false) {
         panel.act(Action::Hold(Command::Compare, down));
     }
 }

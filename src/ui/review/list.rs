@@ -7,6 +7,7 @@
 
 use super::facts::RowFacts;
 use crate::ui::Panel;
+use crate::ui::controls::replace_remembered;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::lay_out_within;
 use crate::ui::maps::miniature;
@@ -131,11 +132,7 @@ type Shows = (usize, ReviewOrder, Option<usize>);
 /// Compares what the list shows now with what it showed in the last frame of the window.
 fn what_moved(ui: &Ui, now: Shows) -> ListChange {
     let memory = Id::unique("review list shows");
-    let before = ui.data_mut(|data| {
-        let before = data.get_temp::<Shows>(memory);
-        data.insert_temp(memory, now);
-        before
-    });
+    let before = replace_remembered(ui, memory, now);
     // A new order counts more than a new frame: it moves every row. A row that appears or vanishes
     // with the frame unchanged is treated as another frame.
     match (before, now) {

@@ -70,6 +70,9 @@ pub trait Operation: Sized + Send + Sync + 'static {
     fn take_over(&self, app: &mut App, result: Result<Self::Output, Failure<Self::Error>>);
 }
 
+/// Why work failed, where no more than the text is read.
+pub type WorkError = Box<dyn std::error::Error + Send + Sync>;
+
 /// Why a request has no result.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Failure<E> {

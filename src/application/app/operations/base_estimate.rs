@@ -2,16 +2,14 @@
 //! painted lines of their pictures. The result is shown as a proposal; using it is one step of
 //! undo.
 
-use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot, WorkError};
 use crate::app::operations::UnderWay;
 use crate::app::window_state::session::{Level, SidePanel};
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use thiserror::Error;
 use touchline_calibration::calibrate::{
-    BaseEstimationError, BaseOnPaintError, BaseProblem, BulkChange, EstimatedBase, describe_size,
-    estimate_on_paint,
+    BaseProblem, BulkChange, EstimatedBase, describe_size, estimate_on_paint,
 };
 use touchline_calibration::proposals::read_picture;
 use touchline_core::geometry::pluralise;
@@ -46,17 +44,6 @@ pub enum EstimateProgress {
     },
 }
 
-/// Why no base was found.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum BaseEstimateError {
-    /// The clicks do not determine one.
-    #[error(transparent)]
-    Impossible(#[from] BaseEstimationError),
-    /// The clicks and painted lines do not determine one.
-    #[error(transparent)]
-    OnPaint(#[from] BaseOnPaintError),
-}
-
 /// The running estimation, and the last result.
 #[derive(Debug, Default)]
 pub struct BaseEstimateState {
@@ -83,14 +70,14 @@ enum LastEstimate {
 impl Operation for BaseEstimate {
     type Progress = EstimateProgress;
     type Output = Box<EstimatedBase>;
-    type Error = BaseEstimateError;
+    type Error = WorkError;
 
     const NAME: &'static str = "base";
 
     fn run(
         &self,
         context: &Context<'_, EstimateProgress>,
-    ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
+    ) -> Result<Box<EstimatedBase>, WorkError> {
         let reported = Mutex::new(None);
         let progress = Progress::new(|progress: EstimateProgress| {
             // Several threads adjust, so their counts may arrive out of order. Only later ones are
@@ -113,11 +100,7 @@ impl Operation for BaseEstimate {
         &mut app.operations.base_estimate.slot
     }
 
-    fn take_over(
-        &self,
-        app: &mut App,
-        result: Result<Box<EstimatedBase>, Failure<BaseEstimateError>>,
-    ) {
+    fn take_over(&self, app: &mut App, result: Result<Box<EstimatedBase>, Failure<WorkError>>) {
         match result {
             Ok(_) if !app.has_field_of(&self.document, &self.camera) => app.report_other_field(),
             Ok(found) => {
@@ -143,7 +126,7 @@ impl BaseEstimate {
     fn estimate(
         &self,
         progress: &Progress<'_, EstimateProgress>,
-    ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
+    ) -> Result<Box<EstimatedBase>, WorkError> {
         let adjusting = progress.part(EstimateProgress::Adjusting);
         let (at, options) = (self.document.at(&self.folder), BaseOptions::default());
         let problem = BaseProblem::from_document(at, &self.camera)?;
@@ -160,7 +143,7 @@ impl BaseEstimate {
         &self,
         context: &Context<'_, EstimateProgress>,
         progress: &Progress<'_, EstimateProgress>,
-    ) -> Result<Box<EstimatedBase>, BaseEstimateError> {
+    ) -> Result<Box<EstimatedBase>, WorkError> {
         let (at, options) = (self.document.at(&self.folder), BaseOptions::default());
         let mut reader = context.open_reader();
         let mut count = 0;

@@ -5,16 +5,14 @@
 //! Only the base and the field's size are taken over, as one step of undo. Then the clip is tracked
 //! with them as usual; the points that were followed for the refinement are reused.
 
-use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot, WorkError};
 use crate::app::operations::clip_tracking::{REFINED, step_of};
 use crate::app::operations::{OperationStep, UnderWay};
 use crate::app::{App, Command};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use thiserror::Error;
 use touchline_calibration::calibrate::{BulkChange, ClipEvidence, ClipFrames, clip_of_frame};
 use touchline_calibration::pipelines::{TrackingEvent, TrackingOptions, track_clips};
-use touchline_core::field::FieldError;
 use touchline_core::progress::Progress;
 use touchline_documents::document::{Camera, Document, Frame, FrameId, Step};
 
@@ -38,23 +36,6 @@ pub struct RefinedBase {
     off_px: Option<(f64, f64)>,
     /// Points tracked through the pictures of the clip, and the paint found in them.
     evidence: ClipEvidence,
-}
-
-/// Why no base was refined.
-#[derive(Debug, Error)]
-pub enum BaseRefinementError {
-    /// The frame has no picture.
-    #[error("the frame has no picture")]
-    NoPicture,
-    /// The field of the camera is invalid.
-    #[error(transparent)]
-    Field(#[from] FieldError),
-    /// The clip could not be tracked.
-    #[error("{0}")]
-    Track(String),
-    /// The user stopped it.
-    #[error("stopped; nothing was changed")]
-    Stopped,
 }
 
 /// The running refinement.
@@ -105,16 +86,13 @@ impl RoundsOutcome {
 impl Operation for BaseRefinement {
     type Progress = OperationStep;
     type Output = RefinedBase;
-    type Error = BaseRefinementError;
+    type Error = WorkError;
 
     const NAME: &'static str = "refine the base";
 
-    fn run(
-        &self,
-        context: &Context<'_, OperationStep>,
-    ) -> Result<RefinedBase, BaseRefinementError> {
+    fn run(&self, context: &Context<'_, OperationStep>) -> Result<RefinedBase, WorkError> {
         let mut reader = context.open_reader();
-        let clip = self.clip().ok_or(BaseRefinementError::NoPicture)?;
+        let clip = self.clip().ok_or("the frame has no picture")?;
         let mut document = self.document.clone();
         let options = TrackingOptions {
             refine_base: true,
@@ -151,8 +129,8 @@ impl Operation for BaseRefinement {
         let RoundsOutcome { off_px, failure } =
             outcome.into_inner().unwrap_or_else(PoisonError::into_inner);
         match failure {
-            Some(error) => return Err(BaseRefinementError::Track(error)),
-            None if tracked.is_stopped => return Err(BaseRefinementError::Stopped),
+            Some(error) => return Err(error.into()),
+            None if tracked.is_stopped => return Err("stopped; nothing was changed".into()),
             None => {}
         }
         Ok(RefinedBase {
@@ -170,7 +148,7 @@ impl Operation for BaseRefinement {
         app.is_amid_change()
     }
 
-    fn take_over(&self, app: &mut App, result: Result<RefinedBase, Failure<BaseRefinementError>>) {
+    fn take_over(&self, app: &mut App, result: Result<RefinedBase, Failure<WorkError>>) {
         match result {
             Ok(refined) => app.take_refined_base(self, refined),
             Err(failure) => app.session.notify(

@@ -1,16 +1,14 @@
 //! Compares the open document with another annotator's.
 
 use crate::app::App;
-use crate::app::operation::{Context, Failure, Operation, Running, Slot};
+use crate::app::operation::{Context, Failure, Operation, Running, Slot, WorkError};
 use crate::app::window_state::session::Level;
 use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
-use thiserror::Error;
 use touchline_calibration::evaluate::{Agreement, agreement};
-use touchline_core::field::FieldError;
 use touchline_documents::document::Document;
-use touchline_documents::store::{StoreError, read};
+use touchline_documents::store::read;
 
 /// Compares the open document with another one.
 #[derive(Debug)]
@@ -33,17 +31,6 @@ pub struct ComparisonResult {
     pub revision: u64,
     /// The agreement of the two; the open document is the first.
     pub agreement: Agreement,
-}
-
-/// Why two documents could not be compared.
-#[derive(Debug, Error)]
-pub enum ComparisonError {
-    /// The other document cannot be read.
-    #[error(transparent)]
-    Unreadable(#[from] StoreError),
-    /// The field of one of them is invalid.
-    #[error(transparent)]
-    Field(#[from] FieldError),
 }
 
 /// The comparison on the open document.
@@ -73,11 +60,11 @@ impl ComparisonState {
 impl Operation for Comparison {
     type Progress = Infallible;
     type Output = ComparisonResult;
-    type Error = ComparisonError;
+    type Error = WorkError;
 
     const NAME: &'static str = "compare";
 
-    fn run(&self, _: &Context<'_, Infallible>) -> Result<ComparisonResult, ComparisonError> {
+    fn run(&self, _: &Context<'_, Infallible>) -> Result<ComparisonResult, WorkError> {
         let (location, other, _) = read(&self.with)?;
         let agreement = agreement(self.document.at(&self.folder), other.at(location.folder()))?;
         Ok(ComparisonResult {
@@ -91,7 +78,7 @@ impl Operation for Comparison {
         &mut app.operations.comparison.slot
     }
 
-    fn take_over(&self, app: &mut App, result: Result<ComparisonResult, Failure<ComparisonError>>) {
+    fn take_over(&self, app: &mut App, result: Result<ComparisonResult, Failure<WorkError>>) {
         match result {
             Ok(compared) => app.operations.comparison.made = Some(Arc::new(compared)),
             Err(failure) => app.session.notify(Level::Error, failure.to_string()),

@@ -1,17 +1,14 @@
 //! Aligns the camera of the shown frame to the painted lines of its picture (*snap*), or searches
 //! it from the lines alone if the frame has none.
 
-use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot};
+use crate::app::operation::{AsItWas, Context, Failure, Operation, Running, Slot, WorkError};
 use crate::app::operations::UnderWay;
 use crate::app::{App, Command};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use thiserror::Error;
-use touchline_calibration::calibrate::{
-    OnPaintError, camera_on_paint, record_found_by_paint, record_snapped,
-};
-use touchline_calibration::proposals::{Finder, PictureError, SuggestionUpdate, read_picture};
+use touchline_calibration::calibrate::{camera_on_paint, record_found_by_paint, record_snapped};
+use touchline_calibration::proposals::{Finder, SuggestionUpdate, read_picture};
 use touchline_core::camera::{CameraBase, PtzCamera};
 use touchline_core::field::FieldModel;
 use touchline_documents::document::{Document, Frame, FrameId, FrameStatus, Shared};
@@ -40,17 +37,6 @@ pub struct CameraOnPaint {
     found: Snapped,
 }
 
-/// Why a frame was not aligned to the paint.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum FrameSnapError {
-    /// Its picture cannot be read.
-    #[error(transparent)]
-    Picture(#[from] PictureError),
-    /// The paint does not determine a camera.
-    #[error(transparent)]
-    Paint(#[from] OnPaintError),
-}
-
 /// The running alignment, and the cameras of frames before their alignment.
 #[derive(Debug, Default)]
 pub struct FrameSnapState {
@@ -65,11 +51,11 @@ impl Operation for FrameSnap {
     /// The share of a search that is done, 0 to 1.
     type Progress = f64;
     type Output = Box<CameraOnPaint>;
-    type Error = FrameSnapError;
+    type Error = WorkError;
 
     const NAME: &'static str = "snap";
 
-    fn run(&self, context: &Context<'_, f64>) -> Result<Box<CameraOnPaint>, FrameSnapError> {
+    fn run(&self, context: &Context<'_, f64>) -> Result<Box<CameraOnPaint>, WorkError> {
         let picture = read_picture(&mut *context.open_reader(), &self.frame, &self.folder)?;
         let how = (&FindOptions::default(), self.from_scratch);
         let (base, found) = camera_on_paint(
@@ -91,11 +77,7 @@ impl Operation for FrameSnap {
         app.is_amid_change()
     }
 
-    fn take_over(
-        &self,
-        app: &mut App,
-        result: Result<Box<CameraOnPaint>, Failure<FrameSnapError>>,
-    ) {
+    fn take_over(&self, app: &mut App, result: Result<Box<CameraOnPaint>, Failure<WorkError>>) {
         match result {
             Ok(found) => app.take_camera_on_paint(self, &found),
             Err(failure) => {

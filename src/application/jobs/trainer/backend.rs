@@ -2,18 +2,18 @@
 
 use super::super::shared_pictures::{SharedPictures, SharedReader};
 use super::mailbox::TrainerMailbox;
+use crate::app::operation::WorkError;
 use crate::app::{TrainerActivity, UnusableReference};
 use serde_json::Value;
 use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use thiserror::Error;
 use touchline_calibration::calibrate::{
     ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip,
 };
 use touchline_calibration::pipelines::{
-    ForestRequest, LearnForestError, LearningProgress, LearntForest, learn_forest, propose_on_lines,
+    ForestRequest, LearningProgress, LearntForest, learn_forest, propose_on_lines,
 };
 use touchline_calibration::proposals::{
     FeatureStore, FramePictures, KeyWindow, LearnOptions, LineEvidence, Proposal, Quality, Suspect,
@@ -21,15 +21,11 @@ use touchline_calibration::proposals::{
 };
 use touchline_core::files::read_regular;
 use touchline_core::progress::{Progress, Share};
-use touchline_documents::document::{
-    Document, Fields, ReadError, document_from_bytes, document_to_string,
-};
+use touchline_documents::document::{Document, Fields, document_from_bytes, document_to_string};
 use touchline_documents::store::write_atomically;
 use touchline_vision::features::FeatureOptions;
 use touchline_vision::media::FrameReader;
-use touchline_vision::relocalize::{
-    ForestFileError, ForestModel, RelocalizeOptions, TrainProgress,
-};
+use touchline_vision::relocalize::{ForestModel, RelocalizeOptions, TrainProgress};
 
 /// The operations of the trainer. Long ones end early when their progress answers `Break`.
 pub(super) trait Backend {
@@ -37,7 +33,7 @@ pub(super) trait Backend {
     ///
     /// # Errors
     /// The file exists, but cannot be used.
-    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError>;
+    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, String>;
 
     /// Trains a forest on some frames of the document. `None` if `progress` ended it.
     ///
@@ -49,7 +45,7 @@ pub(super) trait Backend {
         training_frames: &[usize],
         training_set: &TrainingSet,
         progress: &Progress<'_, TrainerActivity>,
-    ) -> Result<Option<TrainedModel>, TrainerError>;
+    ) -> Result<Option<TrainedModel>, String>;
 
     /// Proposes cameras for some frames, with `snapping` aligned to the painted lines. Returns
     /// fewer proposals than `frames` if `progress`, which receives the number of finished frames,
@@ -95,17 +91,6 @@ pub(super) trait Backend {
 
     /// The folder of the document, from which its paths start.
     fn folder(&self) -> &Path;
-}
-
-/// Why no forest of an earlier run can be used, or no new one can be trained.
-#[derive(Debug, Error)]
-pub(super) enum TrainerError {
-    /// The stored forest cannot be used.
-    #[error("The stored forest is trained again: {0}")]
-    Kept(#[from] KeptForestError),
-    /// No forest can be trained.
-    #[error(transparent)]
-    Learn(#[from] LearnForestError),
 }
 
 /// A newly trained forest.
@@ -160,12 +145,9 @@ impl ForestBackend {
 }
 
 impl Backend for ForestBackend {
-    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
-        Ok(load_forest(
-            &self.place,
-            training_set,
-            &self.options.features,
-        )?)
+    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, String> {
+        load_forest(&self.place, training_set, &self.options.features)
+            .map_err(|error| format!("The stored forest is trained again: {error}"))
     }
 
     fn learn(
@@ -174,7 +156,7 @@ impl Backend for ForestBackend {
         training_frames: &[usize],
         training_set: &TrainingSet,
         progress: &Progress<'_, TrainerActivity>,
-    ) -> Result<Option<TrainedModel>, TrainerError> {
+    ) -> Result<Option<TrainedModel>, String> {
         let pictures =
             FramePictures::new(document, &self.folder, self.options.features, &self.store);
         let learning = progress.part(doing_of);
@@ -184,7 +166,8 @@ impl Backend for ForestBackend {
             training_frames,
             &self.options,
             &learning,
-        )?;
+        )
+        .map_err(|error| error.to_string())?;
         let Some(LearntForest { mut model, studied }) = learnt else {
             return Ok(None);
         };
@@ -370,20 +353,6 @@ fn doing_of(progress: LearningProgress) -> TrainerActivity {
 /// Key of the fingerprint of the training set, in the forest's own document.
 const TAUGHT: &str = "taught";
 
-/// Why the stored forest cannot be used.
-#[derive(Debug, Error)]
-pub(super) enum KeptForestError {
-    /// The file cannot be read.
-    #[error("the forest cannot be read: {0}")]
-    Io(#[from] io::Error),
-    /// The file is not a complete forest.
-    #[error(transparent)]
-    Forest(#[from] ForestFileError),
-    /// The document within the file cannot be read.
-    #[error("the forest's document: {0}")]
-    Document(#[from] ReadError),
-}
-
 /// Writes a forest beside its document, with the fingerprint of its training set.
 ///
 /// # Errors
@@ -414,15 +383,16 @@ pub(super) fn load_forest(
     place: &WorkFolder,
     training_set: &TrainingSet,
     features: &FeatureOptions,
-) -> Result<Option<ForestModel>, KeptForestError> {
+) -> Result<Option<ForestModel>, WorkError> {
     let bytes = match read_regular(&place.forest()) {
         Ok(bytes) => bytes,
         // Nothing was stored yet, which is no failure.
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.into()),
+        Err(error) => return Err(format!("the forest cannot be read: {error}").into()),
     };
     let model = ForestModel::from_bytes(&bytes)?;
-    let document = document_from_bytes(model.document.as_bytes())?;
+    let document = document_from_bytes(model.document.as_bytes())
+        .map_err(|error| format!("the forest's document: {error}"))?;
     // A forest of other references or other features is none for this document. It is no error: the
     // trainer trains a new one and overwrites it.
     let taught = document.extra.get(TAUGHT).and_then(Value::as_str);

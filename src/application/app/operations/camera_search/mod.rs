@@ -16,15 +16,16 @@ use crate::app::{App, Command};
 pub(in crate::app) use match_labelling::MatchLabellingState;
 pub use match_labelling::{LabelledDocument, MatchLabelling};
 pub use search_step::SearchSteps;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use touchline_calibration::autocalibrate::{
     AutocalibrationAnswer, AutocalibrationError, find_camera, is_court,
 };
 use touchline_calibration::calibrate::{AutocalibratedCamera, BulkChange, FoundCamera};
 use touchline_calibration::pipelines::MatchOptions;
 use touchline_calibration::proposals::read_picture;
-use touchline_core::field::{Template, builtin};
+use touchline_core::field::{Template, builtin, builtin_names};
 use touchline_documents::document::{CameraId, Document, FrameId, Step, Target};
 pub use two_cameras::{DecidingClick, TwoCameras};
 pub use words::describe_found;
@@ -163,10 +164,17 @@ impl CameraSearch {
 /// the user's own, and for any sport once two landmarks are clicked, from which the search then
 /// begins.
 fn why_no_search_of_sport(document: &Document, camera: &CameraId) -> Option<&'static str> {
-    let template = &document.field_of_camera(camera).template;
-    let of_rules = builtin(template).and_then(Template::default_model);
-    // A template of the user's own is not built in: the search looks whether it is of a court.
-    if template == "soccer" || of_rules.ok().is_none_or(|field| is_court(&field)) {
+    /// The names of the built-in templates of the other sports. A template of the user's own is not
+    /// among them: the search looks whether it is of a court.
+    static UNKNOWN: LazyLock<BTreeSet<&str>> = LazyLock::new(|| {
+        let mut names: BTreeSet<&str> = builtin_names().into_iter().collect();
+        names.retain(|name| {
+            let field = builtin(name).and_then(Template::default_model);
+            *name != "soccer" && field.is_ok_and(|field| !is_court(&field))
+        });
+        names
+    });
+    if !UNKNOWN.contains(&*document.field_of_camera(camera).template) {
         return None;
     }
     let mut frames = document.frames.iter();

@@ -82,7 +82,7 @@ fn a_panic_is_shown_and_work_goes_on() {
     controller.until(|status| status.doing == TrainerActivity::Paused);
     controller.wish(|wishes| wishes.paused = false);
     controller.expect(&BackendCall::Learn(vec![0]), ScriptedEnd::Fail);
-    controller.until(|status| status.trouble == Some(no_features().to_string()));
+    controller.until(|status| status.trouble == Some(no_features()));
     all.frames.push(document(2, 0).frames[1].clone());
     controller.document(&all);
     controller.expect(&BackendCall::Learn(vec![0, 2]), ScriptedEnd::Well);

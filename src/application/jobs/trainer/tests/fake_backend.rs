@@ -1,14 +1,10 @@
 //! The backend that the test controls: each piece of work waits until the test says how it ends.
 
 use crate::app::TrainerActivity;
-use crate::jobs::trainer::backend::{
-    Backend, ForestAccuracy, KeptForestError, TrainedModel, TrainerError,
-};
-use std::io;
+use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender};
-use touchline_calibration::pipelines::LearnForestError;
 use touchline_calibration::proposals::{
     Answer, FrameRequest, KeyWindow, LearnError, LeftOutBy, Proposal, Quality, Suspect, Timings,
     TrackedProposal, TrainingSet, UsedFeatures,
@@ -56,12 +52,10 @@ impl FakeBackend {
 }
 
 impl Backend for FakeBackend {
-    fn recall(&mut self, _: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
+    fn recall(&mut self, _: &TrainingSet) -> Result<Option<ForestModel>, String> {
         match self.begin(BackendCall::Recall) {
             ScriptedEnd::Well => Ok(Some(model())),
-            ScriptedEnd::Fail => {
-                Err(KeptForestError::from(io::Error::other("it is damaged")).into())
-            }
+            ScriptedEnd::Fail => Err("it is damaged".to_owned()),
             ScriptedEnd::Panic => panic!("the shelf fell"),
             ScriptedEnd::Stopped => Ok(None),
         }
@@ -73,7 +67,7 @@ impl Backend for FakeBackend {
         training_frames: &[usize],
         _: &TrainingSet,
         progress: &Progress<'_, TrainerActivity>,
-    ) -> Result<Option<TrainedModel>, TrainerError> {
+    ) -> Result<Option<TrainedModel>, String> {
         match self.begin(BackendCall::Learn(training_frames.to_vec())) {
             ScriptedEnd::Well => Ok(Some(TrainedModel {
                 model: model(),
@@ -196,9 +190,9 @@ impl Backend for FakeBackend {
     }
 }
 
-pub(super) fn no_features() -> TrainerError {
+pub(super) fn no_features() -> String {
     let stopped = touchline_vision::relocalize::Stopped::NoSamples { frames: 1 };
-    LearnForestError::from(LearnError::from(stopped)).into()
+    LearnError::from(stopped).to_string()
 }
 
 fn until_stopped(tell: &dyn Fn() -> ControlFlow<()>) {

@@ -8,6 +8,7 @@ use super::{Work, catch_panic};
 use crate::app::{ForestFacts, TrainerStatus};
 use crate::jobs::trainer::backend::{Backend, ForestAccuracy, TrainedModel};
 use crate::jobs::trainer::mailbox::{StopCondition, Watch};
+use std::convert::identity;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use touchline_calibration::proposals::{Coverage, Quality, TrainingSet};
@@ -71,8 +72,9 @@ impl<C: Backend> Work<C> {
     pub(super) fn recall(&mut self) {
         self.recalled = true;
         let (backend, training_set) = (&mut self.backend, &self.training_set);
-        match catch_panic("reading the forest", || backend.recall(training_set)) {
-            Ok(Ok(Some(model))) => {
+        let recalled = catch_panic("reading the forest", || backend.recall(training_set));
+        match recalled.and_then(identity) {
+            Ok(Some(model)) => {
                 let facts = ForestFacts {
                     references: self.training_frames.frames.len(),
                     ..facts(&model)
@@ -83,9 +85,8 @@ impl<C: Backend> Work<C> {
                     .keep_refusing(self.generation, self.generation + 1);
                 self.take_forest(model, self.training_set.clone(), facts);
             }
-            Ok(Ok(None)) => {}
+            Ok(None) => {}
             // Not fatal: a new forest is trained instead.
-            Ok(Err(error)) => self.status.trouble = Some(error.to_string()),
             Err(trouble) => self.status.trouble = Some(trouble),
         }
     }
@@ -107,13 +108,13 @@ impl<C: Backend> Work<C> {
             let progress = Progress::new(|doing| watch.notify(doing));
             backend.learn(&document, &training_frames, &training_set, &progress)
         });
-        match learnt {
-            Ok(Ok(None)) => {}
-            Ok(Ok(Some(TrainedModel {
+        match learnt.and_then(identity) {
+            Ok(None) => {}
+            Ok(Some(TrainedModel {
                 model,
                 features,
                 failed,
-            }))) => {
+            })) => {
                 let took = begun.elapsed();
                 let facts = ForestFacts {
                     references: training_frames.len() - failed.len(),
@@ -127,10 +128,6 @@ impl<C: Backend> Work<C> {
                 // half the time each, however often references are added.
                 self.turn_until = Instant::now() + took.min(LONGEST_TURN);
                 self.take_forest(model, training_set, facts);
-            }
-            Ok(Err(error)) => {
-                self.status.trouble = Some(error.to_string());
-                self.failed = Some(training_set);
             }
             Err(trouble) => {
                 self.status.trouble = Some(trouble);
