@@ -1,7 +1,7 @@
 //! `touchline export --dataset`: writes a folder with frames, labels, pictures and a dataset card.
 
 use super::Outcome;
-use super::export::named;
+use crate::cli::terminal::by_name::value_by_name;
 use crate::cli::terminal::interrupt::Interrupt;
 use crate::cli::terminal::messages::Messages;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
@@ -25,7 +25,8 @@ pub struct DatasetArgs {
     dataset: Option<PathBuf>,
     /// Where its pictures come from: copies of the image files, hard links to them, frames decoded
     /// from the video, or none.
-    #[arg(long, default_value = "copy", value_parser = named::<Pictures>(), requires = "dataset")]
+    #[arg(long, default_value = "copy", value_parser = value_by_name::<Pictures>())]
+    #[arg(requires = "dataset")]
     images: Pictures,
     /// How decoded pictures are written.
     #[arg(long, default_value = "png", value_parser = picture_format(), requires = "dataset")]
@@ -38,7 +39,8 @@ pub struct DatasetArgs {
     #[arg(long, value_name = "SHARES", value_parser = parse_shares, requires = "dataset")]
     split: Option<[u32; 3]>,
     /// What a split never divides.
-    #[arg(long, default_value = "clip", value_parser = named::<SplitBy>(), requires = "split")]
+    #[arg(long, default_value = "clip", value_parser = value_by_name::<SplitBy>())]
+    #[arg(requires = "split")]
     split_by: SplitBy,
     /// Another seed gives another split.
     #[arg(long, default_value_t = 0, requires = "split")]

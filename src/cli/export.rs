@@ -3,14 +3,13 @@
 use super::Outcome;
 use super::dataset::{DatasetArgs, write_dataset};
 use super::relocalize::probability;
+use crate::cli::terminal::by_name::value_by_name;
 use crate::cli::terminal::document::{DocumentArg, DocumentOutput, Loaded};
 use crate::cli::terminal::messages::Messages;
 use crate::cli::terminal::output::{ending, print, refuse_existing};
 use anyhow::{Context as _, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;
-use std::str::FromStr;
-use strum::VariantArray;
 use touchline_core::files::read_named_text;
 use touchline_core::geometry::{ImageSize, Vec3, pluralise};
 use touchline_documents::document::{FrameStatus, Stage};
@@ -60,7 +59,7 @@ pub struct ExportArgs {
     #[arg(long)]
     undistorted: bool,
     /// The names of keypoints; without it touchline's.
-    #[arg(long, value_parser = named::<KeypointNames>())]
+    #[arg(long, value_parser = value_by_name::<KeypointNames>())]
     names: Option<KeypointNames>,
     /// Keypoints where the camera shows the landmarks, not where people clicked.
     #[arg(long)]
@@ -107,7 +106,7 @@ pub struct ExportArgs {
     stage_heading: Option<f64>,
     /// Of which frames fifa gets rotation and translation: of all without it; with `first` it is
     /// what the tasks hand out.
-    #[arg(long, value_parser = named::<Rotations>())]
+    #[arg(long, value_parser = value_by_name::<Rotations>())]
     rotations: Option<Rotations>,
     /// How FreeD's zoom value says the focal length: focal-px (without it), focal-mm-x100, or a
     /// file of two columns, raw value and focal length in px.
@@ -223,16 +222,6 @@ fn describe_format(format: Format, direction: Direction) -> String {
         format!("; takes {}", options.join(" "))
     };
     format!("{}{}{taken}", about.title, lost.unwrap_or_default())
-}
-
-/// A parser for a value by its name; the help lists the names.
-pub(super) fn named<T>() -> impl clap::builder::TypedValueParser<Value = T>
-where
-    T: VariantArray + FromStr<Err = strum::ParseError> + Clone + Send + Sync,
-    &'static str: From<&'static T>,
-{
-    let names = T::VARIANTS.iter().map(<&str>::from);
-    PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
 }
 
 /// Parses a status by its name in documents.

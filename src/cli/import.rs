@@ -2,11 +2,12 @@
 
 use super::Outcome;
 use super::export::{
-    MAX_TABLE_BYTES, format_parser, given_options, named, parse_size, parse_width, zoom_of,
+    MAX_TABLE_BYTES, format_parser, given_options, parse_size, parse_width, zoom_of,
 };
 use super::new::{parameter, parse_stride, read_field};
 use super::relocalize::probability;
 use crate::cli::terminal::attached_labels::{attach_to_video, open_video, read_labels, recognize};
+use crate::cli::terminal::by_name::value_by_name;
 use crate::cli::terminal::document::DocumentOutput;
 use crate::cli::terminal::messages::{Messages, count_steps};
 use anyhow::{Context as _, ensure};
@@ -32,7 +33,7 @@ pub struct ImportArgs {
     #[arg(long, value_name = "PATH", requires = "layout", conflicts_with_all = ["path", "format"])]
     points: Option<PathBuf>,
     /// The layout of the points.
-    #[arg(long, requires = "points", value_parser = named::<PointLayout>())]
+    #[arg(long, requires = "points", value_parser = value_by_name::<PointLayout>())]
     layout: Option<PointLayout>,
     /// The name of the model; without it that of the layout.
     #[arg(long, value_name = "NAME", requires = "points")]
@@ -99,10 +100,10 @@ pub struct ImportArgs {
     masks: bool,
     /// The plane of homographies that do not say it: metres from the field's centre or from its far
     /// left corner, or the template of a set.
-    #[arg(long, value_parser = named::<GroundPlan>())]
+    #[arg(long, value_parser = value_by_name::<GroundPlan>())]
     template: Option<GroundPlan>,
     /// The direction of homographies that do not say it.
-    #[arg(long, value_parser = named::<MatrixDirection>())]
+    #[arg(long, value_parser = value_by_name::<MatrixDirection>())]
     direction: Option<MatrixDirection>,
     /// The columns of a table of homographies: h=NAME for the matrix, name=NAME for the frame.
     #[arg(long, value_name = "ROLE=NAME", value_delimiter = ',', value_parser = parse_column)]

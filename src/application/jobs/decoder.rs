@@ -49,8 +49,8 @@ impl Decoder {
         Ok(Self::new(worker, pictures))
     }
 
-    /// Starts a decoder of thumbnails beside this one. It begins no frame while this one has some to
-    /// read, and takes the pictures that this one has.
+    /// Starts a decoder of thumbnails beside this one. It begins no frame while this one has some
+    /// to read, and takes the pictures that this one has.
     ///
     /// # Errors
     /// The operating system gives no thread.

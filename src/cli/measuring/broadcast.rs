@@ -1,9 +1,10 @@
 //! `touchline synth --broadcast`: draws a broadcast as a video with its truth.
 
-use super::synth::{DrawnFolder, SynthArgs, TRUTH_FILE};
+use super::drawn_folder::{DrawnFolder, TRUTH_FILE};
 use crate::cli::Outcome;
 use crate::cli::terminal::messages::Messages;
 use anyhow::Context as _;
+use std::path::Path;
 use touchline_application::jobs::broadcast_truth;
 use touchline_core::field::builtin;
 use touchline_core::geometry::pluralise;
@@ -19,23 +20,17 @@ const VIDEO_FILE: &str = "broadcast.mp4";
 /// The folder has other content and `--force` was not given, there is no `ffmpeg`, or a file cannot
 /// be written.
 pub(super) fn draw_broadcast(
-    args: &SynthArgs,
-    seconds: u32,
+    output: &Path,
+    force: bool,
+    options: &BroadcastOptions,
     messages: Messages,
 ) -> anyhow::Result<Outcome> {
-    let options = BroadcastOptions {
-        seed: args.seed,
-        frames: (f64::from(seconds) * BROADCAST_FPS) as usize,
-        cameras: usize::from(args.cameras),
-        image_size: args.size,
-        shoot: args.preset.shoot(),
-    };
-    let broadcast = Broadcast::new(&options, builtin("soccer")?.default_model()?);
-    let folder = DrawnFolder::begin(&args.output, args.force)?;
-    let video = args.output.join(VIDEO_FILE);
+    let broadcast = Broadcast::new(options, builtin("soccer")?.default_model()?);
+    let folder = DrawnFolder::begin(output, force)?;
+    let video = output.join(VIDEO_FILE);
     let cannot_write = || format!("cannot write {}", video.display());
-    let mut writer =
-        VideoWriter::create(&video, args.size, BROADCAST_FPS).with_context(cannot_write)?;
+    let mut writer = VideoWriter::create(&video, options.image_size, BROADCAST_FPS)
+        .with_context(cannot_write)?;
     let progress = messages.progress(options.frames, "Drawing frames");
     for frame in 0..options.frames {
         let picture = broadcast.draw(frame);
@@ -44,7 +39,7 @@ pub(super) fn draw_broadcast(
     }
     writer.finish().with_context(cannot_write)?;
     progress.finish_and_clear();
-    folder.write_truth(&broadcast_truth(&broadcast, VIDEO_FILE, args.size))?;
+    folder.write_truth(&broadcast_truth(&broadcast, VIDEO_FILE, options.image_size))?;
     folder.finish()?;
     messages.note(&format!(
         "{}: {} from {}, the truth in {TRUTH_FILE}",

@@ -1,26 +1,20 @@
 //! `touchline synth`: draws a match with exact truth, as a project.
 
 use super::broadcast::draw_broadcast;
+use super::drawn_folder::{DrawnFolder, TRUTH_FILE};
 use crate::cli::Outcome;
 use crate::cli::terminal::messages::Messages;
-use crate::cli::terminal::output::{refuse_existing, refuse_file, write_file};
-use anyhow::{Context as _, bail};
+use crate::cli::terminal::output::write_file;
+use anyhow::Context as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use touchline_application::jobs::{DrawnPicture, MatchOrder, draw_match};
 use touchline_core::geometry::{ImageSize, pluralise};
-use touchline_documents::document::{Document, document_to_string};
-use touchline_documents::store::{Location, PROJECT_FILE, write_document};
+use touchline_documents::store::{Location, write_document};
 use touchline_vision::synthetic::{
-    CameraSide, Graphics, Preset, Scene, SceneError, Setting, ShootOptions,
+    BROADCAST_FPS, BroadcastOptions, CameraSide, Graphics, Preset, Scene, SceneError, Setting,
+    ShootOptions,
 };
-
-/// The file beside the project with the exact cameras.
-pub(super) const TRUTH_FILE: &str = "truth.json";
-
-/// The file that marks a folder while a match is drawn in it. One that was stopped leaves it, so
-/// that another run may draw over what is there.
-const UNFINISHED_FILE: &str = "synth.unfinished";
 
 /// Draws a match: images, a project without calibrations, and the exact truth beside it.
 ///
@@ -35,13 +29,13 @@ const UNFINISHED_FILE: &str = "synth.unfinished";
 pub struct SynthArgs {
     /// The folder to write; an empty one counts as absent.
     #[arg(short, long, value_name = "DIR")]
-    pub(super) output: PathBuf,
+    output: PathBuf,
     /// How many frames.
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
     /// Chooses the stadium, the match and the camera's path.
     #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(super) seed: u64,
+    seed: u64,
     /// What is drawn: stadium, basketball, hockey, tennis, badminton, volleyball, handball or
     /// football (American).
     #[arg(long, default_value = "stadium")]
@@ -54,10 +48,10 @@ pub struct SynthArgs {
     still: bool,
     /// The size of the frames, px.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", value_parser = image_size)]
-    pub(super) size: ImageSize,
+    size: ImageSize,
     /// The difficulty of lens, light and sensor: easy, paper or hard.
     #[arg(long, default_value = "paper")]
-    pub(super) preset: Preset,
+    preset: Preset,
     /// JPEG quality; the preset's by default.
     #[arg(long, value_name = "1..100", value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: Option<u8>,
@@ -93,14 +87,14 @@ pub struct SynthArgs {
             "frames", "scene", "camera", "still", "quality", "step", "masks", "graphics",
             "unmasked", "demo",
         ])]
-    pub(super) broadcast: Option<u32>,
+    broadcast: Option<u32>,
     /// How many cameras in the stands a broadcast has.
     #[arg(long, value_name = "N", default_value_t = 5, requires = "broadcast",
         value_parser = clap::value_parser!(u8).range(3..=7))]
-    pub(super) cameras: u8,
+    cameras: u8,
     /// Draw over an earlier match; files of other names stay.
     #[arg(long)]
-    pub(super) force: bool,
+    force: bool,
 }
 
 /// A graphic over the picture.
@@ -161,7 +155,14 @@ fn order_of(args: &SynthArgs) -> Result<MatchOrder, SceneError> {
 /// The folder has other content and `--force` was not given, or a file cannot be written.
 pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     if let Some(seconds) = args.broadcast {
-        return draw_broadcast(args, seconds, messages);
+        let options = BroadcastOptions {
+            seed: args.seed,
+            frames: (f64::from(seconds) * BROADCAST_FPS) as usize,
+            cameras: usize::from(args.cameras),
+            image_size: args.size,
+            shoot: args.preset.shoot(),
+        };
+        return draw_broadcast(&args.output, args.force, &options, messages);
     }
     let order = order_of(args)?;
     let folder = DrawnFolder::begin(&args.output, args.force)?;
@@ -190,72 +191,6 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
         pluralise(order.frames, "frame")
     ));
     Ok(Outcome::Done)
-}
-
-/// The folder of a match that is being drawn.
-pub(super) struct DrawnFolder<'a> {
-    path: &'a Path,
-    force: bool,
-}
-
-impl<'a> DrawnFolder<'a> {
-    /// Makes the folder and marks it as unfinished.
-    ///
-    /// # Errors
-    /// It has other content, or something and `force` is not set, or it cannot be made.
-    pub fn begin(path: &'a Path, force: bool) -> anyhow::Result<Self> {
-        refuse_existing(path, force)?;
-        refuse_file(path, "the match")?;
-        refuse_other_project(path)?;
-        fs::create_dir_all(path).with_context(|| format!("cannot make {}", path.display()))?;
-        write_file(&path.join(UNFINISHED_FILE), b"", true)?;
-        Ok(Self { path, force })
-    }
-
-    /// Writes the truth, in place of an earlier one.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn write_truth(&self, document: &Document) -> anyhow::Result<()> {
-        // An earlier truth is a document, which no other file replaces: it goes first.
-        let truth = self.path.join(TRUTH_FILE);
-        if self.force && truth.is_file() {
-            fs::remove_file(&truth)
-                .with_context(|| format!("cannot replace {}", truth.display()))?;
-        }
-        write_file(&truth, document_to_string(document)?.as_bytes(), false)
-    }
-
-    /// Takes the mark away.
-    ///
-    /// # Errors
-    /// It cannot be removed.
-    pub fn finish(self) -> anyhow::Result<()> {
-        let unfinished = self.path.join(UNFINISHED_FILE);
-        fs::remove_file(&unfinished)
-            .with_context(|| format!("cannot remove {}", unfinished.display()))
-    }
-}
-
-/// Refuses a folder with a project that this command did not draw: pictures of a drawn match could
-/// overwrite the project's.
-fn refuse_other_project(folder: &Path) -> anyhow::Result<()> {
-    let is_drawn = [TRUTH_FILE, UNFINISHED_FILE]
-        .into_iter()
-        .any(|name| folder.join(name).is_file());
-    if is_drawn {
-        return Ok(());
-    }
-    let other = [PROJECT_FILE, "images"]
-        .into_iter()
-        .find(|name| folder.join(name).exists());
-    if let Some(name) = other {
-        bail!(
-            "{} holds {name}, which was not drawn by this program; give another folder",
-            folder.display()
-        );
-    }
-    Ok(())
 }
 
 fn image_size(text: &str) -> Result<ImageSize, String> {
@@ -287,20 +222,6 @@ fn step_s(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_run_that_was_stopped_may_be_drawn_over_and_a_users_pictures_may_not() {
-        let folder = tempfile::tempdir().unwrap();
-        fs::create_dir(folder.path().join("images")).unwrap();
-        let refused = refuse_other_project(folder.path()).unwrap_err().to_string();
-        assert!(
-            refused.contains("holds images, which was not drawn"),
-            "{refused}"
-        );
-        // As a run leaves the folder that ended before it wrote the truth.
-        fs::write(folder.path().join(UNFINISHED_FILE), "").unwrap();
-        assert!(refuse_other_project(folder.path()).is_ok());
-    }
 
     #[test]
     fn sizes_and_steps_are_checked_with_a_way_out() {

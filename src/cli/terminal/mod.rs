@@ -3,6 +3,7 @@
 //! written here, and nothing here calculates.
 
 pub mod attached_labels;
+pub mod by_name;
 pub mod document;
 pub mod features;
 pub mod interrupt;

@@ -228,8 +228,8 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     .response
     .on_hover_text(match unused_base_px {
         Some(px) => format!(
-            "1-σ of the drawn lines at the worst corner of the picture, as the confidence takes it. \
-             The uncertainty of the base would add ±{px:.0} px, but frames that look this way \
+            "1-σ of the drawn lines at the worst corner of the picture, as the confidence takes \
+             it. The uncertainty of the base would add ±{px:.0} px, but frames that look this way \
              confirm the base."
         ),
         None => UNCERTAINTY_TIP.to_owned(),

@@ -248,6 +248,7 @@ const WHITE: u32 = 0xF3_F5EE;
 const BASKETBALL: Court = Court {
     template: "basketball_fiba",
     floors: &[
+        // Parquet with red keys, with keys and surround in blue, and with a dark surround.
         (Surface::Wood, [0xC8_9A62, 0xC8_9A62, 0x8C_2B2B]),
         (Surface::Wood, [0xD8_B27C, 0x24_4A86, 0x24_4A86]),
         (Surface::Wood, [0xB9_8450, 0x39_3C40, 0xB9_8450]),
@@ -255,6 +256,7 @@ const BASKETBALL: Court = Court {
     margin_m: 0.05,
     lines: &[("", WHITE)],
     areas: &[["key_near_@_end_line", "key_far_@_free_throw"]],
+    // A school's hall has a volleyball court across the middle.
     others: &[OtherCourt {
         template: "volleyball",
         colour: 0x2E_5E3C,
@@ -267,6 +269,8 @@ const BASKETBALL: Court = Court {
     is_hall: true,
     squad: Squad::new(5, false, false),
     cameras_m: &[
+        // Broadcasts of halls look from the stands' middle row, behind a basket, and from a corner
+        // box.
         (CameraSide::Side, [0.0, -25.0, 10.0]),
         (CameraSide::End, [-33.0, 0.0, 11.0]),
         (CameraSide::Corner, [-22.0, -18.0, 9.0]),
@@ -277,6 +281,7 @@ const HOCKEY: Court = Court {
     template: "ice_hockey_nhl",
     floors: &[(Surface::Ice, [0xDF_E8EE, 0xDF_E8EE, 0x9C_C4E4])],
     margin_m: 0.0,
+    // Rule 1 of the league: blue lines are blue, all others red.
     lines: &[("blue_line", 0x1F_4C9C), ("", 0xC0_2A34)],
     areas: &[["crease_near_@", "crease_far_@_front"]],
     others: &[],
@@ -295,6 +300,7 @@ const HOCKEY: Court = Court {
 const TENNIS: Court = Court {
     template: "tennis",
     floors: &[
+        // The colours of the large tournaments: court and surround differ, on clay they do not.
         (Surface::Hard, [0x3A_5F93, 0x4C_7A55, 0x3A_5F93]),
         (Surface::Hard, [0x5B_4A86, 0x3F_6F58, 0x5B_4A86]),
         (Surface::Hard, [0x2F_6CA8, 0x2A_4F86, 0x2F_6CA8]),
@@ -310,6 +316,7 @@ const TENNIS: Court = Court {
     is_hall: false,
     squad: Squad::new(1, false, true),
     cameras_m: &[
+        // Tennis is shown from behind a baseline; the side is for replays.
         (CameraSide::End, [-34.0, 0.0, 9.8]),
         (CameraSide::Side, [0.0, -24.0, 9.0]),
         (CameraSide::Corner, [-25.0, -18.0, 9.0]),
@@ -323,6 +330,7 @@ const BADMINTON: Court = Court {
         (Surface::Mat, [0x2B_7A5A, 0x2C_4C8C, 0x2B_7A5A]),
         (Surface::Mat, [0x35_7F56, 0x4A_4E55, 0x35_7F56]),
     ],
+    // A mat ends this far beyond the boundary lines; the hall's floor is seen around it.
     margin_m: 0.6,
     lines: &[("", WHITE)],
     areas: &[],
@@ -352,6 +360,7 @@ const VOLLEYBALL: Court = Court {
     others: &[OtherCourt {
         template: "badminton",
         colour: 0x2E_5E3C,
+        // Three badminton courts side by side fill the hall.
         centres_m: &[[-7.0, 0.0], [0.0, 0.0], [7.0, 0.0]],
         is_across: true,
     }],
@@ -370,6 +379,7 @@ const VOLLEYBALL: Court = Court {
 const HANDBALL: Court = Court {
     template: "handball",
     floors: &[
+        // Mats in one or two colours, and a wooden floor.
         (Surface::Mat, [0x3E_78B0, 0x2A_3F70, 0x3E_78B0]),
         (Surface::Wood, [0xC8_9A62, 0xC8_9A62, 0xC8_9A62]),
         (Surface::Mat, [0x46_7C8E, 0x8A_3B36, 0x46_7C8E]),
@@ -420,6 +430,8 @@ const FOOTBALL: Court = Court {
     is_hall: false,
     squad: Squad::new(11, false, false),
     cameras_m: &[
+        // From the press box at the 50-yard line, the end zone's tower, and the corner between
+        // them.
         (CameraSide::Side, [-4.0, -84.0, 29.0]),
         (CameraSide::End, [-98.0, 0.0, 26.0]),
         (CameraSide::Corner, [-78.0, -52.0, 27.0]),

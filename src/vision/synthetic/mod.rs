@@ -28,7 +28,6 @@ mod clicks;
 mod courts;
 mod coverage;
 mod crowd;
-mod director;
 mod floor;
 mod graphics;
 mod grass;
@@ -45,18 +44,18 @@ mod solid;
 mod stadium;
 mod text;
 mod texture;
-mod transition;
 
 pub use options::Moment;
 pub use stadium::stadium;
 // For the crates above alone: no promise to other programs.
 #[doc(hidden)]
 pub use {
-    broadcast::Broadcast, broadcast::BroadcastOptions, clicks::ClickOptions, clicks::ClickTarget,
-    clicks::SyntheticClick, clicks::generate_clicks, courts::CameraSide, courts::SceneError,
-    courts::Setting, director::BROADCAST_FPS, director::BroadcastShot, director::ShotSubject,
-    options::CameraMotion, options::Daylight, options::FrameOptions, options::Graphics,
-    options::Preset, options::Scene, options::ShootOptions, options::StadiumOptions,
-    options::UnknownPreset, path::PathStep, path::camera_path, play::Side, props::Mover,
-    render::RenderedFrame, render::SeenMover, stadium::Stadium, transition::TransitionStyle,
+    broadcast::BROADCAST_FPS, broadcast::Broadcast, broadcast::BroadcastOptions,
+    broadcast::BroadcastShot, broadcast::ShotSubject, broadcast::TransitionStyle,
+    clicks::ClickOptions, clicks::ClickTarget, clicks::SyntheticClick, clicks::generate_clicks,
+    courts::CameraSide, courts::SceneError, courts::Setting, options::CameraMotion,
+    options::Daylight, options::FrameOptions, options::Graphics, options::Preset, options::Scene,
+    options::ShootOptions, options::StadiumOptions, options::UnknownPreset, path::PathStep,
+    path::camera_path, play::Side, props::Mover, render::RenderedFrame, render::SeenMover,
+    stadium::Stadium,
 };

@@ -96,6 +96,7 @@ impl PictureCamera {
     /// Whether the picture decides, alone or as one of the others, which shows something else, has
     /// the same place on its own.
     pub fn is_decided(&self, others: &[Option<Self>], size: ImageSize) -> bool {
+        // Two pictures of one view err alike: only another view is a second witness.
         let agrees = |other: &Self| {
             let place_m = self.camera.base().position_m;
             let off_m = (other.camera.base().position_m - place_m).norm();
@@ -132,6 +133,7 @@ impl Weighed {
 
     /// What its leads by both say where it is first by lines and by evidence.
     fn certainty_by_both(&self, by_lines: Option<&Self>, by_evidence: Option<&Self>) -> Certainty {
+        // A camera without a rival leads by any factor.
         let next_score = by_lines.map_or(0.0, |next| next.agreement.score().max(0.0));
         let next_nats = by_evidence.map_or(0.0, |next| next.evidence.nats().max(0.0));
         let (score, nats) = (self.agreement.score(), self.evidence.nats());
@@ -183,6 +185,7 @@ pub fn camera_of_picture(
     by_evidence.sort_by(|a, b| b.evidence.nats().total_cmp(&a.evidence.nats()));
     let evident = by_evidence.first().copied();
     let next_evident = by_evidence.get(1).copied();
+    // Lines and evidence are nearly independent, so leads in both multiply.
     let is_first_by_both = evident.is_some_and(|evident| std::ptr::eq(evident, by_lines));
     let (best, certainty) = match evident {
         _ if by_lines.leads_by_lines(weighed.get(1)) => (by_lines, Certainty::Decided),

@@ -102,11 +102,15 @@ impl ShownLines<'_> {
                 continue;
             };
             let length_px = from.distance_px(to);
+            // What is shorter says nothing: any spot is a line of that length.
             if length_px < MIN_LENGTH_PX * scale {
                 continue;
             }
             let shown = self.nearest_along([from, to], scale);
             let Some((of_picture, range_px, covered_px)) = shown else {
+                // A line that is not there speaks against the camera where the ground along it is
+                // even, so that
+                // paint would be seen: players, graphics and stands hide it.
                 found.bare_px += length_px * self.even.share_between(from, to);
                 continue;
             };
@@ -118,6 +122,7 @@ impl ShownLines<'_> {
                 range_px,
             });
         }
+        // Fewer lines fit nearly anywhere.
         let is_enough = found.matches.len() >= MIN_LINES
             && found.shown_px >= MIN_SHOWN * (found.shown_px + found.bare_px);
         is_enough.then(|| Agreement {
@@ -135,6 +140,7 @@ impl ShownLines<'_> {
             .standing()
             .filter_map(|line| self.visible_part(camera, line))
             .collect();
+        // A line of the picture is known as a line of the field or as part of what stands there.
         let is_known = |index: usize, line: &StraightLine| {
             let is_on = |end: &ImagePoint| line.across_px(*end).abs() <= 2.0 * NEAR_PX * scale;
             matches.iter().any(|of| of.of_picture == index)
@@ -161,6 +167,7 @@ impl ShownLines<'_> {
 
     /// The point of the ground that a camera shows at a point of the picture, `world`, m.
     fn on_ground(&self, camera: &PlanePose, at: ImagePoint) -> Option<Vec3> {
+        // The ray of the place in the camera's frame, and where it meets the plane of the ground.
         let offset = at.offset_from(self.principal_point()) / camera.focal_px;
         let offset = self.lens.pixels().square_from_pixels(offset);
         let ray = camera.cam_from_world.transpose() * Vec3::new(offset.x, offset.y, 1.0);
@@ -204,6 +211,7 @@ impl ShownLines<'_> {
             let [one, other] = ends.map(|end| line.across_px(end).abs());
             one.max(other)
         };
+        // Lines of the picture near both ends; of those that cover enough, the nearest.
         let near = self.lines.iter().enumerate().filter_map(|(index, line)| {
             if off_px(line) > NEAR_PX * scale {
                 return None;

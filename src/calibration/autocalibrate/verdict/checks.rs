@@ -192,8 +192,8 @@ fn answered_views(camera: &AutocalibratedCamera) -> BTreeMap<usize, Ptz> {
         .collect()
 }
 
-/// The views from a camera's base, by their own clicks alone, of the frames that have enough of them
-/// to contradict it.
+/// The views from a camera's base, by their own clicks alone, of the frames that have enough of
+/// them to contradict it.
 fn views_by_clicks(
     camera: &AutocalibratedCamera,
     clicks: &[GroundClick],
@@ -201,6 +201,7 @@ fn views_by_clicks(
 ) -> BTreeMap<usize, Ptz> {
     /// Two clicks fit pan, tilt and focal length on any base.
     const MIN_CONTRADICTING: usize = 3;
+    // The clicks of each frame, as observations of landmarks on the camera's field.
     let mut of_frames: BTreeMap<usize, Vec<Observation>> = BTreeMap::new();
     for (index, click) in clicks.iter().enumerate() {
         let (name, size) = (click.landmark.as_str(), frames[click.frame].image_size);
@@ -208,6 +209,7 @@ fn views_by_clicks(
         of_frames.entry(click.frame).or_default().extend(seen.ok());
     }
     of_frames.retain(|_, seen| seen.len() >= MIN_CONTRADICTING);
+    // The base stays as it is: only where the frame looks is open.
     let view = |(frame, seen): (usize, Vec<Observation>)| {
         let context = SolveContext::new(frames[frame].image_size);
         Some((frame, solve_frame(&camera.base, &seen, &context).ok()?.ptz))
@@ -247,6 +249,7 @@ pub fn contradicting_click(
     clicks: &[GroundClick],
     frames: &Frames,
 ) -> Option<Doubt> {
+    // What the paint of a frame says of its view comes before its clicks.
     let mut views = views_by_clicks(camera, clicks, frames);
     views.extend(answered_views(camera));
     click_offsets(camera, views, clicks, frames)

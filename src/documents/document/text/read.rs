@@ -339,12 +339,14 @@ fn place(text: &str, document: &Value) -> String {
     for segment in error.path() {
         match segment {
             Segment::Map { key } => {
-                let dot = if place.is_empty() { "" } else { "." };
-                place += &format!("{dot}{key}");
+                if !place.is_empty() {
+                    place.push('.');
+                }
+                place.push_str(key);
                 value = value.and_then(|value| value.get(key));
             }
             Segment::Seq { index } if name.is_none() || value.is_some_and(is_list_of_objects) => {
-                place += &format!("[{index}]");
+                place = format!("{place}[{index}]");
                 value = value.and_then(|value| value.get(index));
                 name = name.or(value);
             }

@@ -52,7 +52,7 @@ impl SearchSteps {
             ),
             _ => return None,
         };
-        Some(OperationStep::new(step, done.map(|done| done.fraction())))
+        Some(OperationStep::new(step, done.map(Share::fraction)))
     }
 }
 

@@ -187,7 +187,7 @@ pub(in crate::app::operations) fn step_of(progress: &ClipProgress) -> OperationS
         ),
         ClipProgress::Adjusting => ("Adjusting all frames of the shot together".to_owned(), None),
     };
-    OperationStep::new(step, done.map(|done| done.fraction()))
+    OperationStep::new(step, done.map(Share::fraction))
 }
 
 /// The result of tracking again after a correction, as text.

@@ -347,7 +347,7 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
         let empty: Vec<&str> = Split::ALL
             .into_iter()
             .filter(|split| splitting.shares[*split as usize] > 0 && counts[*split as usize] == 0)
-            .map(|split| split.into())
+            .map(Into::into)
             .collect();
         if !empty.is_empty() {
             let by = splitting.by;

@@ -1,8 +1,8 @@
 //! Which shots a broadcast has: what they show, from which camera, and how one follows another.
 
-use super::play::Play;
-use super::texture::{hash, unit};
 use super::transition::TransitionStyle;
+use crate::synthetic::play::Play;
+use crate::synthetic::texture::{hash, unit};
 use std::ops::Range;
 
 /// Frames of a broadcast in a second.
@@ -149,21 +149,26 @@ pub(super) fn plan_shots(
         let before = shots.last().map(|shot| (shot.subject, shot.camera));
         let is_replay = subject == ShotSubject::Replay;
         let was_replay = before.map(|(subject, _)| subject == ShotSubject::Replay);
+        // All shots of a replay show one event, from different cameras.
         if is_replay && was_replay != Some(true) {
             event_s = (live_s - REPLAY_BACK_S).max(0.0);
         }
+        // The first shot begins at once, and a logo stands between the match and its replays.
         let transition = match was_replay {
             None => TransitionStyle::Cut,
             Some(was_replay) if was_replay != is_replay => TransitionStyle::LogoWipe,
             Some(_) => draws.transition(),
         };
+        // The frames of a transition belong to neither shot: they come before the new one's own.
         let span = draws.between(transition.frames().map(|frames| frames as f64)) as usize;
         let own = (BROADCAST_FPS * draws.between(seconds)) as usize;
         let start = begin + span;
         if start + LEAST_FRAMES > frames {
             break;
         }
+        // A replay shows the past; everything else goes on with the match.
         let start_s = if is_replay { event_s } else { live_s };
+        // Left and right by where the ball is when the shot begins, which a director sees.
         let wanted = match choice {
             Choice::Main => 0,
             Choice::NearBall => 1 + usize::from(play.ball(start_s).x > 0.0),
@@ -191,6 +196,7 @@ pub(super) fn plan_shots(
             lower_third: !is_replay && draws.next() < 0.3,
         });
     }
+    // What is too short for another shot is the last one's.
     if let Some(last) = shots.last_mut() {
         last.frames.end = frames;
     }

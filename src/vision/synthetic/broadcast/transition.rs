@@ -1,9 +1,9 @@
 //! How a broadcast goes from one shot to the next: the pictures of both, mixed.
 
-use super::body::Kits;
-use super::coverage::inside;
-use super::light::{Light, encode, hex};
-use super::text::{GlyphCoverage, rasterise};
+use crate::synthetic::body::Kits;
+use crate::synthetic::coverage::inside;
+use crate::synthetic::light::{Light, encode, hex};
+use crate::synthetic::text::{GlyphCoverage, rasterise};
 use image::{Rgb, RgbImage};
 
 /// How a shot begins.
@@ -63,6 +63,7 @@ impl TransitionStyle {
             // A vision mixer adds encoded levels, not light.
             Self::Dissolve => blend(before, after, |_, _| share as f32),
             Self::Fade => {
+                // Both halves are linear; the picture is black for a while in between.
                 let black = RgbImage::new(before.width(), before.height());
                 let left = 1.0 - share / (0.5 - 0.5 * BLACK_SHARE);
                 let come = 1.0 - (1.0 - share) / (0.5 - 0.5 * BLACK_SHARE);
@@ -70,6 +71,7 @@ impl TransitionStyle {
                 blend(&black, shown, |_, _| left.max(come).max(0.0) as f32)
             }
             Self::Wipe => {
+                // A straight edge from left to right, two pixels soft.
                 let edge = share as f32 * before.width() as f32;
                 blend(before, after, |x, _| inside(x - edge, 2.0))
             }
@@ -132,6 +134,7 @@ impl LogoBand {
     }
 
     fn colour(&self, behind: f32, y: f32) -> Rgb<u8> {
+        // The logo stands in the middle of the band, upright.
         let across = self.width - behind - 0.5 * (self.width - self.logo.width as f32);
         let down = y - 0.5 * (self.size[1] - self.logo.height as f32);
         let ink = self.logo.at(across.floor() as i64, down.floor() as i64);

@@ -4,12 +4,17 @@
 //! Hard by intent: all shots have one turf, boards change while the match goes on, one camera
 //! leans, and another one stands beside the main camera and has nearly its view.
 
-use super::director::plan_shots;
-use super::options::{FrameOptions, Graphics, Moment, ShootOptions, StadiumOptions};
-use super::path::{Operator, PathStep, motion_at};
-use super::texture::{hash, sub_seed, unit};
-use super::transition::TransitionStyle;
-use super::{BroadcastShot, ShotSubject, Stadium, stadium};
+mod director;
+mod transition;
+
+pub use director::{BROADCAST_FPS, BroadcastShot, ShotSubject};
+pub use transition::TransitionStyle;
+
+use crate::synthetic::options::{FrameOptions, Graphics, Moment, ShootOptions, StadiumOptions};
+use crate::synthetic::path::{Operator, PathStep, motion_at};
+use crate::synthetic::texture::{hash, sub_seed, unit};
+use crate::synthetic::{Stadium, stadium};
+use director::plan_shots;
 use image::RgbImage;
 use std::ops::RangeInclusive;
 use touchline_core::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
@@ -97,7 +102,9 @@ impl Broadcast {
             .cameras
             .clamp(*Self::CAMERAS.start(), *Self::CAMERAS.end());
         let seed = sub_seed(options.seed, 0xB0AD);
+        // One camera leans as no level tripod does; which one is drawn.
         let leaning = hash(seed, 1, 1) as usize % count;
+        // Beside the touchline, at the height of a shoulder.
         let beside = Vec3::new(-8.0, -0.5 * stadium.field().width_m - 3.2, 1.6);
         let pitchside = [beside.x, beside.y, beside.z];
         let places =
@@ -145,6 +152,9 @@ impl Broadcast {
     /// The picture of a frame; black beyond the last.
     pub fn draw(&self, frame: usize) -> RgbImage {
         let size = self.options.image_size;
+        // The shots follow each other without gaps, each with its transition before it: the one
+        // that is
+        // seen is the last whose transition has begun.
         let behind = self
             .shots
             .partition_point(|shot| shot.transition_frames.start <= frame);
@@ -155,6 +165,8 @@ impl Broadcast {
         let picture = self.picture(shot, frame);
         match before.last() {
             Some(last) if shot.transition_frames.contains(&frame) => {
+                // Neither end of a transition is a picture of one shot alone, so its shares lie
+                // within 0 and 1.
                 let since = frame - shot.transition_frames.start;
                 let share = (since + 1) as f64 / (shot.transition_frames.len() + 1) as f64;
                 let before = self.picture(last, frame);
@@ -178,11 +190,14 @@ impl Broadcast {
         let step = PathStep {
             time_s,
             ptz: self.ptz(shot, operator, time_s),
+            // Blur comes from the motion at this moment, in a replay as it was recorded.
             motion: motion_at(|time_s| self.ptz(shot, operator, time_s), time_s),
         };
         let is_replay = shot.subject == ShotSubject::Replay;
         let options = FrameOptions {
             graphics: Graphics {
+                // The match's own graphics leave the screen for a replay, which has a mark of its
+                // own.
                 score_bug: !is_replay,
                 watermark: is_replay,
                 lower_third: shot.lower_third,
@@ -190,6 +205,7 @@ impl Broadcast {
             },
             ..shoot.frame(frame, &step, image_size, seed)
         };
+        // Boards and spectators change in the studio's time, not in that of the replay.
         let stadium = self.stadium.at(&Moment {
             occasion: (frame / BOARDS_FRAMES) as u64,
             boards_changed: BOARDS_CHANGED,
@@ -215,6 +231,8 @@ impl Broadcast {
     fn close_up(&self, shot: &BroadcastShot, base: &CameraBase, time_s: f64) -> Ptz {
         let at = base.position_m;
         let place_of = |[x, y]: [f64; 2]| Vec3::new(x, y, CHEST_M);
+        // Unrest is the sum of the speeds at four moments of the shot, m/s, with a metre beyond the
+        // range as bad as one metre a second.
         let moments = [0.0, 1.0, 2.0, 3.0].map(|s| self.stadium.play.people(shot.start_s + s));
         let unrest = |index: &usize| -> f64 {
             let people = moments.iter().map(|people| &people[*index]);
@@ -230,12 +248,14 @@ impl Broadcast {
         let taps = [-0.5, -0.3, -0.1, 0.1].map(|tap| self.stadium.play.people(time_s + tap));
         let places = taps.iter().filter_map(|people| people.get(index));
         let aim = places.map(|person| place_of(person.place)).sum::<Vec3>() / taps.len() as f64;
+        // The focal length at which a player of this height has that height in the picture.
         let height_px = CLOSE_UP_SHARE * f64::from(self.options.image_size.height);
-        aimed(base, aim, height_px * (aim - at).norm() / PLAYER_M)
+        aim_at(base, aim, height_px * (aim - at).norm() / PLAYER_M)
     }
 
     /// Pans along the stand opposite.
     fn crowd(&self, shot: &BroadcastShot, base: &CameraBase, time_s: f64) -> Ptz {
+        // Anywhere along the middle 60 m of the stand.
         let start_m = 60.0 * f64::from(unit(hash(0xC40D, shot.frames.start as i32, 0))) - 30.0;
         let [beyond_m, up_m] = CROWD_AT_M;
         let aim = Vec3::new(
@@ -243,14 +263,15 @@ impl Broadcast {
             0.5 * self.stadium.field().width_m + beyond_m,
             up_m,
         );
-        let scale = super::options::scale_from_1280(self.options.image_size);
-        aimed(base, aim, CROWD_FOCAL_PX * scale)
+        let scale = crate::synthetic::options::scale_from_1280(self.options.image_size);
+        aim_at(base, aim, CROWD_FOCAL_PX * scale)
     }
 }
 
 /// The base of a camera near its usual place, which looks towards the centre mark.
 fn camera_base(options: &BroadcastOptions, place: [f64; 3], roll_deg: f64) -> CameraBase {
     let seed = sub_seed(options.seed, 0xB0AE);
+    // Sideways a place is exact, so that cameras side by side keep their distance.
     let [away, up] = [1, 2].map(|axis| {
         1.0 + PLACE_SPREAD * (2.0 * f64::from(unit(hash(seed, axis, place[0] as i32))) - 1.0)
     });
@@ -258,6 +279,7 @@ fn camera_base(options: &BroadcastOptions, place: [f64; 3], roll_deg: f64) -> Ca
     let away = if place[2] < 2.0 { 1.0 } else { away };
     let position_m = Vec3::new(place[0], place[1] * away, place[2] * up);
     let angles = BaseAngles {
+        // Pan 0° points to the centre mark.
         heading: Angle::from_radians((-position_m.x).atan2(-position_m.y)),
         pitch: Angle::from_degrees(-0.3),
         roll: Angle::from_degrees(roll_deg),
@@ -270,7 +292,7 @@ fn camera_base(options: &BroadcastOptions, place: [f64; 3], roll_deg: f64) -> Ca
 }
 
 /// A camera that points at a place.
-fn aimed(base: &CameraBase, aim: Vec3, focal_px: f64) -> Ptz {
+fn aim_at(base: &CameraBase, aim: Vec3, focal_px: f64) -> Ptz {
     let PanTilt { pan, tilt } = PanTilt::from_direction(base.base_from_world_point(aim));
     Ptz::new(pan, tilt, focal_px)
 }
