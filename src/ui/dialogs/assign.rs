@@ -1,6 +1,6 @@
 //! Assigning frames to the camera that took them: one of the document's, or a new one.
 
-use super::{has_just_opened, remembered, sheet};
+use super::{has_just_opened, recall, sheet};
 use crate::ui::Panel;
 use crate::ui::controls::theme::{self, Themed as _};
 use egui::{Button, Context, Id, RichText, ScrollArea, TextEdit, Ui, vec2};
@@ -17,7 +17,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
     let memory = Id::unique("name of the new camera");
     let opened = has_just_opened(ctx, "assign to camera");
     // The name of the new camera is kept while the dialog is open.
-    let known = remembered(ctx, memory, opened);
+    let known = recall(ctx, memory, opened);
     let mut name: String = known.unwrap_or_else(|| suggested_name(panel));
     sheet(
         panel,

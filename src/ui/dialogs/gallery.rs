@@ -2,7 +2,7 @@
 //! of the review panel. Frames are selected by clicks, by dragging over them and by keys, and
 //! accepted or rejected together. What was not drawn cannot be accepted.
 
-use super::{has_just_opened, remembered, sheet};
+use super::{has_just_opened, recall, sheet};
 use crate::ui::Panel;
 use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
@@ -45,7 +45,7 @@ struct GalleryState {
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let memory = Id::unique("gallery");
     let opened = has_just_opened(ctx, "gallery");
-    let mut state: GalleryState = remembered(ctx, memory, opened).unwrap_or_default();
+    let mut state: GalleryState = recall(ctx, memory, opened).unwrap_or_default();
     let review = panel.app.review();
     let rows: Vec<ReviewRow> = review
         .rows

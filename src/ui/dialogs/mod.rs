@@ -80,7 +80,7 @@ fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
 }
 
 /// What was typed into or chosen in a dialog so far, unless it has just opened.
-fn remembered<T: 'static + Any + Clone>(ctx: &Context, memory: Id, has_opened: bool) -> Option<T> {
+fn recall<T: 'static + Any + Clone>(ctx: &Context, memory: Id, has_opened: bool) -> Option<T> {
     ctx.data(|data| data.get_temp(memory))
         .filter(|_| !has_opened)
 }

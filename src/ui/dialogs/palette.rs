@@ -1,6 +1,6 @@
 //! The command palette: every command, found by typing.
 
-use super::{curtain, fuzzy, has_just_opened, remembered};
+use super::{curtain, fuzzy, has_just_opened, recall};
 use crate::ui::Panel;
 use crate::ui::controls::theme::{self, Themed as _};
 use crate::ui::drawing::labels::lay_out_within;
@@ -34,7 +34,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     // Text and highlight are in egui's memory: nothing outside the palette depends on them.
     let memory = Id::unique("palette");
     let opened = has_just_opened(ctx, "palette");
-    let mut state: State = remembered(ctx, memory, opened).unwrap_or_default();
+    let mut state: State = recall(ctx, memory, opened).unwrap_or_default();
     let all = ctx.content_rect();
     Area::new(Id::unique("command palette"))
         .order(Order::Foreground)

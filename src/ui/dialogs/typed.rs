@@ -1,6 +1,6 @@
 //! Fields to type into: a path where there is no file dialog, a comment, a frame or time.
 
-use super::{cancel, has_just_opened, remembered, sheet};
+use super::{cancel, has_just_opened, recall, sheet};
 use crate::ui::Panel;
 use crate::ui::controls::show_button;
 use crate::ui::controls::theme::{self, Themed as _};
@@ -64,7 +64,7 @@ fn describe_question(question: Question) -> (&'static str, &'static str, &'stati
 pub fn show_path(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
     let memory = Id::unique("typed path");
     let opened = has_just_opened(ctx, "path");
-    let mut typed: String = remembered(ctx, memory, opened).unwrap_or_default();
+    let mut typed: String = recall(ctx, memory, opened).unwrap_or_default();
     let (title, does, example) = describe_question(question);
     sheet(panel, ctx, title, vec2(520.0, 160.0), |panel, ui| {
         theme::weak(ui, "No file dialog is available. Type or paste the path.");
@@ -104,7 +104,7 @@ pub fn show_path(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
 pub fn show_comment(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
     let memory = Id::unique("comment");
     let opened = has_just_opened(ctx, "comment");
-    let known = remembered(ctx, memory, opened);
+    let known = recall(ctx, memory, opened);
     let mut typed: String = known.unwrap_or_else(|| before.to_owned());
     sheet(panel, ctx, "Comment", vec2(440.0, 220.0), |panel, ui| {
         // Read before the text field sees it, where Enter begins a new line.
@@ -140,7 +140,7 @@ pub fn show_comment(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
 pub fn show_go_to(panel: &mut Panel<'_>, ctx: &Context) {
     let memory = Id::unique("typed place");
     let opened = has_just_opened(ctx, "place");
-    let mut typed: String = remembered(ctx, memory, opened).unwrap_or_default();
+    let mut typed: String = recall(ctx, memory, opened).unwrap_or_default();
     let (first, last) = panel
         .app
         .open()
