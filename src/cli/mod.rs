@@ -49,7 +49,13 @@ use terminal::messages::Messages;
 
 /// Calibrates a pan-tilt-zoom sports camera from two clicks.
 #[derive(Parser)]
-#[command(name = "touchline", version, about)]
+// Without the precedence a list of documents would take the command's name for one of them.
+#[command(
+    name = "touchline",
+    version,
+    about,
+    subcommand_precedence_over_arg = true
+)]
 struct Cli {
     /// A project, dataset, folder of frames, video or queue to open in the window; several videos
     /// or projects open as a queue.
@@ -143,7 +149,12 @@ pub fn run() -> Next {
         Messages::Text
     };
     let Some(command) = cli.command else {
-        return Next::Window(cli.documents);
+        let first = cli.documents.first();
+        let misspelt = first.and_then(|first| describe_misspelt(first.to_str()?));
+        return misspelt.map_or(Next::Window(cli.documents), |why| {
+            messages.error(&why);
+            Next::Exit(ExitCode::from(2))
+        });
     };
     // The parser accepts `touchline DOC COMMAND`, for the window alone takes documents there.
     if let Some(document) = cli.documents.first() {

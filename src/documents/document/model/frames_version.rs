@@ -4,9 +4,10 @@
 //! frames were borrowed mutably, so that two states are compared there alone, however long the
 //! document is.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{self, AtomicU64};
 
 /// The identity of a state of the frames, and its recent predecessors.
 #[derive(Clone, Default)]
@@ -30,7 +31,7 @@ impl FramesVersion {
     pub(super) fn new() -> Self {
         static LAST: AtomicU64 = AtomicU64::new(0);
         Self {
-            number: LAST.fetch_add(1, Ordering::Relaxed) + 1,
+            number: LAST.fetch_add(1, atomic::Ordering::Relaxed) + 1,
             ..Self::default()
         }
     }
@@ -52,12 +53,21 @@ impl FramesVersion {
     /// remember a common predecessor.
     pub(super) fn possible_differences(&self, other: &Self) -> Option<BTreeSet<usize>> {
         // The nearest state that both remember. Frames outside the changes since then, on either
-        // side, are those of that state in both. Each side remembers at most `REMEMBERED` numbers,
-        // which bounds this search.
-        let mut own = self.back().enumerate();
-        let (ago, others) = own
-            .find_map(|(ago, state)| Some((ago, other.back().position(|other| other == state)?)))?;
-        Some(self.last(ago).chain(other.last(others)).collect())
+        // side, are those of that state in both. A later state has a larger number, so the side with
+        // the larger one goes back.
+        let mut own = self.back().enumerate().peekable();
+        let mut others = other.back().enumerate().peekable();
+        loop {
+            let ((own_ago, own_state), (others_ago, others_state)) =
+                (*own.peek()?, *others.peek()?);
+            match own_state.cmp(&others_state) {
+                Ordering::Greater => drop(own.next()),
+                Ordering::Less => drop(others.next()),
+                Ordering::Equal => {
+                    return Some(self.last(own_ago).chain(other.last(others_ago)).collect());
+                }
+            }
+        }
     }
 
     /// The positions of the last `many` changes.
