@@ -2,7 +2,6 @@
 //! will answer the shown frame, and what is missing for a base.
 
 use crate::app::operations::UnderWay;
-use crate::app::operations::camera_search::SearchFollowUp;
 use crate::app::session::SidePanel;
 use crate::app::trainer::TrainerActivity;
 use crate::app::{App, Command};
@@ -62,16 +61,9 @@ impl App {
         if self.current.base.is_some() || self.operations.is_base_open() {
             return None;
         }
-        let no_answer = match &search.left {
-            // The card of the two answers stands in its place.
-            SearchFollowUp::Two(_) => return None,
-            SearchFollowUp::Abstained {
-                camera: of,
-                why,
-                frame,
-            } if of == camera => Some((why.clone(), frame.clone())),
-            _ => None,
-        };
+        let no_answer = search.no_answer.as_ref();
+        let no_answer = no_answer.filter(|none| none.camera == *camera);
+        let no_answer = no_answer.map(|none| (none.why.clone(), none.frame.clone()));
         let frames = open.document.frames.iter().enumerate();
         let wide = frames.filter(|(_, frame)| {
             frame.camera == *camera

@@ -3,23 +3,12 @@
 use crate::autocalibrate::Abstention;
 use crate::calibrate::AutocalibratedCamera;
 use touchline_core::field::LandmarkId;
-use touchline_core::geometry::ImagePoint;
 
 /// The answer of a search that ran to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AutocalibrationAnswer {
     /// One camera passes all checks.
     Found(Box<AutocalibratedCamera>),
-    /// Two positions of the camera pass all checks, and neither explains much more than the other.
-    Two {
-        /// The camera that explains more.
-        best: Box<AutocalibratedCamera>,
-        /// The other camera.
-        other: Box<AutocalibratedCamera>,
-        /// A landmark on which one click decides between them; none if all project to nearly the
-        /// same points.
-        deciding: Option<DecidingLandmark>,
-    },
     /// No answer is certain enough.
     Abstained {
         /// Why.
@@ -37,8 +26,8 @@ pub struct WantedClicks {
     pub frame: usize,
     /// The number of landmarks to click in it, as far apart as possible.
     pub landmarks: usize,
-    /// Landmarks that the frame shows by the best answer, far apart; empty where there is none, or
-    /// where more are wanted than these.
+    /// Landmarks that the frame shows by the best answer: the one whose click decides between two
+    /// answers, or two far apart. Empty where there is none, or where more are wanted than these.
     pub named: Vec<LandmarkId>,
 }
 
@@ -46,6 +35,7 @@ impl WantedClicks {
     /// What to click, as a part of a sentence; `label` returns how to name a landmark.
     pub fn describe_landmarks(&self, label: impl Fn(&LandmarkId) -> String) -> String {
         match self.named.as_slice() {
+            [one] => label(one),
             [one, other] => format!(
                 "{} and {}, or two other landmarks far from each other,",
                 label(one),
@@ -54,16 +44,4 @@ impl WantedClicks {
             _ => format!("{} landmarks far from each other", self.landmarks),
         }
     }
-}
-
-/// A landmark that two answers project to points far apart: one click on it in one frame decides
-/// between them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DecidingLandmark {
-    /// Index of the frame in the document.
-    pub frame: usize,
-    /// The landmark to click.
-    pub landmark: LandmarkId,
-    /// Projections by the better answer and by the other, px of the frame.
-    pub image: [ImagePoint; 2],
 }

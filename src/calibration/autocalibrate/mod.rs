@@ -82,7 +82,7 @@ mod search;
 mod verdict;
 
 pub(crate) use adjustment::evidence::MIN_NATS;
-pub use answer::{AutocalibrationAnswer, DecidingLandmark, WantedClicks};
+pub use answer::{AutocalibrationAnswer, WantedClicks};
 pub(crate) use camera::{SearchExtent, find_camera_in_stages};
 pub use camera::{camera_without_clicks, find_camera};
 // For the window alone: no promise to other programs.

@@ -244,15 +244,6 @@ impl Labelling<'_> {
             Err(AutocalibrationError::Stopped) if !self.progress.is_cancelled() => None,
             answer => Some(match answer? {
                 AutocalibrationAnswer::Found(found) => Ok(Arc::from(found)),
-                AutocalibrationAnswer::Two {
-                    best,
-                    other,
-                    deciding,
-                } => Err(NoCamera::Two {
-                    best,
-                    other,
-                    deciding,
-                }),
                 AutocalibrationAnswer::Abstained { why, clicks } => {
                     Err(NoCamera::Abstained { why, clicks })
                 }

@@ -10,7 +10,6 @@ use egui::{
     Align, Button, Color32, CornerRadius, Frame, Label, Layout, Margin, Rect, RichText, Role,
     Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, vec2,
 };
-use touchline_application::app::operations::camera_search::{SearchFollowUp, TwoCameras};
 use touchline_application::app::{Command, MissingBase};
 use touchline_documents::document::FrameId;
 
@@ -25,9 +24,7 @@ const PARTS: [&str; 3] = ["left", "centre", "right"];
 
 /// Shows the card. Nothing if the camera has a base, or if one is being looked for.
 pub(super) fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    if let SearchFollowUp::Two(two) = &panel.app.operations.camera_search.left {
-        card(ui, |ui| show_choice(panel, ui, two));
-    } else if let Some(missing) = panel.app.missing_base() {
+    if let Some(missing) = panel.app.missing_base() {
         card(ui, |ui| show_ways(panel, ui, &missing));
     }
 }
@@ -177,27 +174,6 @@ fn estimate_button(panel: &mut Panel<'_>, ui: &mut Ui, missing: &MissingBase) {
         button = button.fill(ui.palette().accent_ground);
     }
     ui.vertical_centered_justified(|ui| panel.command_button(ui, button, Command::EstimateBase));
-}
-
-/// Shows two answers that the frames alone cannot distinguish. The user tries both; a click in the
-/// named frame decides.
-fn show_choice(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
-    theme::title(ui, "TWO ANSWERS");
-    ui.add(Label::new(two.describe()).wrap());
-    ui.horizontal_wrapped(|ui| {
-        panel.run_on_click(ui.button("Try the first"), Command::TryFirstCamera);
-        panel.run_on_click(ui.button("Try the other"), Command::TryOtherCamera);
-        // A click that decides exists only for some pairs of answers.
-        if let Some(click) = &two.deciding {
-            go_there(
-                panel,
-                ui,
-                &click.frame,
-                "Go to the frame whose click decides.",
-            );
-        }
-        panel.run_on_click(ui.button("Done"), Command::StopFindCamera);
-    });
 }
 
 /// Shows the button that goes to a frame, unless the frame was removed.

@@ -28,7 +28,6 @@ const LOOK_AT: usize = 40;
 pub struct Tally {
     pub right: usize,
     pub wrong: usize,
-    pub two: usize,
     pub abstained: usize,
 }
 
@@ -36,13 +35,12 @@ impl Tally {
     pub fn add(&mut self, other: &Self) {
         self.right += other.right;
         self.wrong += other.wrong;
-        self.two += other.two;
         self.abstained += other.abstained;
     }
 
     /// How many inputs were asked.
     pub fn num_tried(&self) -> usize {
-        self.right + self.wrong + self.two + self.abstained
+        self.right + self.wrong + self.abstained
     }
 }
 
@@ -50,11 +48,10 @@ impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} tried: {} right, {} wrong shown as good, {} with two answers, {} abstained",
+            "{} tried: {} right, {} wrong shown as good, {} abstained",
             self.num_tried(),
             self.right,
             self.wrong,
-            self.two,
             self.abstained
         )
     }
@@ -345,25 +342,6 @@ pub fn judge_answer(
             (
                 format!("{}: {says}", if right { "right" } else { "WRONG" }),
                 tally,
-            )
-        }
-        AutocalibrationAnswer::Two {
-            best,
-            other,
-            deciding,
-        } => {
-            let deciding = deciding.as_ref().map(|deciding| deciding.landmark.as_str());
-            let says = format!(
-                "two: {} / {}; deciding {deciding:?}",
-                judge(best).1,
-                judge(other).1
-            );
-            (
-                says,
-                Tally {
-                    two: 1,
-                    ..Tally::default()
-                },
             )
         }
         AutocalibrationAnswer::Abstained { why, .. } => {

@@ -252,8 +252,6 @@ rows! {
     StopFindCameras, "stop_find_cameras", Camera, Picture, Frame, "Stop finding the cameras",
         "Stop finding the cameras of the video; what was found until then is kept, and the same \
          command goes on from there.", [];
-    TryFirstCamera, "try_first_camera", Camera, Picture, Frame, "Try the first camera found", "Use the first of two cameras that explain the paint equally well. One step of undo.", [];
-    TryOtherCamera, "try_other_camera", Camera, Picture, Frame, "Try the other camera found", "Use the other of two cameras that explain the paint equally well. One step of undo.", [];
     EstimateBase, "estimate_base", Camera, Picture, Frame, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
     BaseOnPaint, "base_on_paint", Camera, Application, Frame, "Use the painted lines for the base", "Also fit the base to the painted lines in the frames' pictures, then refine each frame on its lines. Takes longer: every picture is read twice.", [];
     ShowForBase, "show_for_base", Camera, Picture, Frame, "Where to click for the base", "Go to the frame whose points would help this camera's base most: it looks where no frame with four landmarks or lines does.", [];

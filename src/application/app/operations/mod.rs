@@ -267,9 +267,7 @@ impl App {
             }
             C::StopSolving => self.why_not_stop_bulk(),
             C::KeepBurntIn | C::ChangeBurntIn => self.why_not_decide_burnt_in(),
-            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
-                self.why_not_camera_search(command)
-            }
+            C::FindCamera | C::StopFindCamera => self.why_not_camera_search(command),
             C::FindCameras | C::StopFindCameras => self.why_not_match_labelling(command),
             C::Track
             | C::DiscardTracked
@@ -297,7 +295,7 @@ impl App {
             C::StopSolving => self.stop_bulk(),
             C::KeepBurntIn => self.keep_burnt_in(),
             C::ChangeBurntIn => self.change_burnt_in(),
-            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
+            C::FindCamera | C::StopFindCamera => {
                 self.camera_search_command(command);
             }
             C::FindCameras | C::StopFindCameras => self.match_labelling_command(command),
@@ -345,12 +343,6 @@ impl App {
         self.find_shots_of_new();
         self.compare_pictures();
         self.look_for_new_images();
-    }
-
-    /// Takes over the results that had to wait, and the decision of a click between two cameras.
-    pub(super) fn take_over_what_waited(&mut self) {
-        self.deliver_waiting_reports();
-        self.decide_camera_by_click();
     }
 
     /// Starts the operations that follow every change of the document.

@@ -354,8 +354,6 @@ impl App {
             | C::StopFindCamera
             | C::FindCameras
             | C::StopFindCameras
-            | C::TryFirstCamera
-            | C::TryOtherCamera
             | C::Track
             | C::DiscardTracked
             | C::StopTracking

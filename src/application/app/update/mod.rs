@@ -87,7 +87,7 @@ impl App {
         self.notify_tour(&action);
         // The action itself, then what waited for its end.
         self.apply(action);
-        self.take_over_what_waited();
+        self.deliver_waiting_reports();
         // Derived values. Whatever follows reads them.
         self.refresh_derived();
         // What follows from the changed document: the tour's next step, background work, the

@@ -7,7 +7,7 @@ use super::documents::{
 use super::scene::Scene;
 use crate::burnt_in_in_app::found_mask;
 use crate::clicking::names_in_app;
-use crate::find_camera_in_app::{found_camera, two_cameras, unknown};
+use crate::find_camera_in_app::{found_camera, unknown};
 use crate::which_camera;
 use touchline_application::app::operations::{
     BurntInSearch, CameraSearch, ClipTracking, FoundShots, LabelledDocument, MatchLabelling,
@@ -94,11 +94,6 @@ fn track(scene: &mut Scene) {
 fn estimate(scene: &mut Scene) {
     scene.command(Command::EstimateBase);
     scene.wait_until("the base", |app| app.operations.proposed_base().is_some());
-}
-
-fn find_two(scene: &mut Scene) {
-    scene.command(Command::FindCamera);
-    scene.report::<CameraSearch>(two_cameras());
 }
 
 /// The search for the cameras of a video ends.
@@ -365,8 +360,6 @@ pub fn plan(command: Command) -> Plan {
             scene.command(C::FindCameras);
             label_film(scene);
         }),
-        C::TryFirstCamera => change(of_five, find_two, |scene| scene.command(C::TryFirstCamera)),
-        C::TryOtherCamera => change(of_five, find_two, |scene| scene.command(C::TryOtherCamera)),
         C::UseEstimatedBase => works(displaced, estimate, |scene| scene.command(C::UseEstimatedBase)),
         C::LoadCamera => works(blank, nothing, |scene| {
             scene.command(C::LoadCamera);

@@ -1,6 +1,6 @@
 //! The landmark whose click decides between two answers.
 
-use crate::autocalibrate::DecidingLandmark;
+use crate::autocalibrate::WantedClicks;
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use touchline_core::camera::PtzCamera;
 use touchline_core::field::FieldModel;
@@ -10,14 +10,15 @@ use touchline_documents::document::Document;
 /// A click cannot separate projections closer together than this, px at 1920 px width.
 const MIN_APART_PX: f64 = 40.0;
 
-/// The landmark of the ground whose projections by two answers are farthest apart, among those that
-/// both show within one picture. None if no pair is at least [`MIN_APART_PX`] apart.
+/// The click on the landmark of the ground whose projections by two answers are farthest apart,
+/// among those that both show within one picture. None if no pair is at least [`MIN_APART_PX`]
+/// apart.
 pub fn deciding_landmark(
     document: &Document,
     best: &AutocalibratedCamera,
     other: &AutocalibratedCamera,
-) -> Option<DecidingLandmark> {
-    let mut farthest: Option<(f64, DecidingLandmark)> = None;
+) -> Option<WantedClicks> {
+    let mut farthest: Option<(f64, WantedClicks)> = None;
     for one in &best.frames {
         let Some(two) = other.frames.iter().find(|two| two.index == one.index) else {
             continue;
@@ -46,19 +47,16 @@ pub fn deciding_landmark(
             if apart_px >= MIN_APART_PX
                 && farthest.as_ref().is_none_or(|(most, _)| apart_px > *most)
             {
-                let landmark = landmark.id.clone();
-                farthest = Some((
-                    apart_px,
-                    DecidingLandmark {
-                        frame: one.index,
-                        landmark,
-                        image: [here, there],
-                    },
-                ));
+                let clicks = WantedClicks {
+                    frame: one.index,
+                    landmarks: 1,
+                    named: vec![landmark.id.clone()],
+                };
+                farthest = Some((apart_px, clicks));
             }
         }
     }
-    farthest.map(|(_, landmark)| landmark)
+    farthest.map(|(_, clicks)| clicks)
 }
 
 /// Where a camera shows a landmark of its field, px; none outside its picture.

@@ -140,8 +140,9 @@ impl Decision<'_> {
         self.leave_to_a_click(best, runner_up, is_doubted)
     }
 
-    /// Returns both cameras for the user to choose from. Each has to agree with as many frames as a
-    /// candidate that refutes a runner-up.
+    /// Abstains between two cameras, and asks for the click that separates them best; with it, a
+    /// further search contradicts one of them. No other stage would separate them. Each has to agree
+    /// with as many frames as a candidate that refutes a runner-up.
     fn leave_to_a_click(
         &mut self,
         best: AutocalibratedCamera,
@@ -160,12 +161,13 @@ impl Decision<'_> {
             doubts.insert(0, Doubt::Rival);
             return Err(uncertain(doubts, best));
         }
-        // Suggest the click that separates them best.
-        let deciding = deciding_landmark(&self.searched.document, &best, &other);
-        Ok(AutocalibrationAnswer::Two {
-            best: Box::new(best),
-            other: Box::new(other),
-            deciding,
+        let clicks = deciding_landmark(&self.searched.document, &best, &other);
+        Ok(AutocalibrationAnswer::Abstained {
+            why: Abstention::Uncertain {
+                doubts: vec![Doubt::Rival],
+                best: Some(Box::new(best)),
+            },
+            clicks,
         })
     }
 

@@ -153,8 +153,6 @@ const SUBMENUS: [(&str, &[Command]); 15] = [
             Command::StopFindCameras,
             Command::FindCamera,
             Command::StopFindCamera,
-            Command::TryFirstCamera,
-            Command::TryOtherCamera,
         ],
     ),
     (

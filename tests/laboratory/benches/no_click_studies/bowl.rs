@@ -274,7 +274,6 @@ fn encode(pictures: &[RgbImage], quality: Quality, folder: &Path) {
 fn turn_as_answered(truth: Vec<PtzCamera>, answer: &AutocalibrationAnswer) -> Vec<PtzCamera> {
     let found = match answer {
         AutocalibrationAnswer::Found(found)
-        | AutocalibrationAnswer::Two { best: found, .. }
         | AutocalibrationAnswer::Abstained {
             why: Abstention::Uncertain {
                 best: Some(found), ..

@@ -145,14 +145,6 @@ impl Clicked {
                 (tally.right, tally.wrong) = (usize::from(right), usize::from(!right));
                 format!("{}: {says}", if right { "right" } else { "WRONG" })
             }
-            AutocalibrationAnswer::Two { best, other, .. } => {
-                tally.two = 1;
-                format!(
-                    "two: {} / {}",
-                    self.judge(best, folder).1,
-                    self.judge(other, folder).1
-                )
-            }
             AutocalibrationAnswer::Abstained { why, .. } => {
                 tally.abstained = 1;
                 let best = match why {

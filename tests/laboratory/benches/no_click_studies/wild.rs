@@ -117,10 +117,6 @@ fn judge(answer: &AutocalibrationAnswer, right: Option<&SeenRight>) -> (String, 
                 }
             }
         }
-        AutocalibrationAnswer::Two { .. } => {
-            tally.two = 1;
-            "two answers".to_owned()
-        }
         AutocalibrationAnswer::Abstained { why, .. } => {
             tally.abstained = 1;
             format!("abstained: {why}")

@@ -4,7 +4,7 @@
 //! there, because finished parts of the work are kept beside the document.
 
 use super::search_step::SearchSteps;
-use super::{CameraSearch, SearchFollowUp, why_no_search_of_sport};
+use super::{CameraSearch, NoAnswer, why_no_search_of_sport};
 use crate::app::operation::{AsItWas, Context, Failure, Operation, Slot};
 use crate::app::operations::{OperationStep, UnderWay};
 use crate::app::window_state::session::Level;
@@ -139,24 +139,15 @@ impl MatchLabelling {
     /// Says why there is no camera, as after a search for a single one.
     fn report_no_camera(&self, app: &mut App, document: Document, why: NoCamera) {
         let answer = match why {
-            NoCamera::Two {
-                best,
-                other,
-                deciding,
-            } => AutocalibrationAnswer::Two {
-                best,
-                other,
-                deciding,
-            },
             NoCamera::Abstained { why, clicks } => AutocalibrationAnswer::Abstained { why, clicks },
             NoCamera::Before { message, .. } => {
                 let why = format!("No camera was found: {message}.");
                 app.session.warn(why.clone());
-                app.operations.camera_search.left = SearchFollowUp::Abstained {
+                app.operations.camera_search.no_answer = Some(NoAnswer {
                     camera: self.camera.clone(),
                     why,
                     frame: None,
-                };
+                });
                 return;
             }
         };
@@ -245,7 +236,7 @@ impl App {
         };
         let camera = frame.camera.clone();
         let (file, folder) = (open.file.clone(), open.folder.clone());
-        self.operations.camera_search.left = SearchFollowUp::Nothing;
+        self.operations.camera_search.no_answer = None;
         // It looks for the cuts itself.
         self.operation_command(Command::StopShotSearch);
         self.start(MatchLabelling {
@@ -446,8 +437,8 @@ mod tests {
         assert_eq!(*app.open().unwrap().document, before);
         let text = "No camera was found: only 1 line can be seen.";
         assert_eq!(last_notice(&app), text);
-        let SearchFollowUp::Abstained { why, .. } = &app.operations.camera_search.left else {
-            panic!("{:?}", app.operations.camera_search.left)
+        let Some(NoAnswer { why, .. }) = &app.operations.camera_search.no_answer else {
+            panic!("{:?}", app.operations.camera_search.no_answer)
         };
         assert_eq!(why, text);
     }

@@ -1,12 +1,10 @@
 //! Autocalibration in the window: finds a camera from the pictures of its frames, without a click.
 //!
-//! The search ends in one of three ways: one camera, which is written into the document; two
-//! cameras that explain the paint about equally well, between which the user or one further click
-//! decides; or an abstention, with the reason and a remedy.
+//! The search ends in one camera, which is written into the document, or in an abstention, with the
+//! reason and a remedy.
 
 mod match_labelling;
 mod search_step;
-mod two_cameras;
 mod words;
 
 use crate::app::operation::{Context, Failure, Operation, Running, Slot};
@@ -27,7 +25,6 @@ use touchline_calibration::pipelines::MatchOptions;
 use touchline_calibration::proposals::read_picture;
 use touchline_core::field::{Template, builtin, builtin_names};
 use touchline_documents::document::{CameraId, Document, FrameId, Step, Target};
-pub use two_cameras::{DecidingClick, TwoCameras};
 pub use words::describe_found;
 use words::{clicks_that_help, describe_abstention};
 
@@ -53,28 +50,21 @@ pub struct CameraSearch {
 #[derive(Debug, Default)]
 pub struct CameraSearchState {
     slot: Slot<CameraSearch>,
-    /// What the last search left for the user to decide or to read.
-    pub left: SearchFollowUp,
+    /// Why the last search found no camera.
+    pub no_answer: Option<NoAnswer>,
     /// The camera that was found last, for the panel's map.
     pub found: Option<Arc<FoundCamera>>,
 }
 
-/// What a search leaves for the user to decide or to read.
-#[derive(Debug, Default)]
-pub enum SearchFollowUp {
-    #[default]
-    Nothing,
-    /// Two positions explain the paint; the user decides.
-    Two(Box<TwoCameras>),
-    /// No answer was certain enough.
-    Abstained {
-        /// The camera that was searched for.
-        camera: CameraId,
-        /// The reason, and what would help.
-        why: String,
-        /// The frame in which clicks would help most.
-        frame: Option<FrameId>,
-    },
+/// Why a search found no camera.
+#[derive(Debug)]
+pub struct NoAnswer {
+    /// The camera that was searched for.
+    pub camera: CameraId,
+    /// The reason, and what would help.
+    pub why: String,
+    /// The frame in which clicks would help most.
+    pub frame: Option<FrameId>,
 }
 
 impl Operation for CameraSearch {
@@ -122,27 +112,17 @@ impl Operation for CameraSearch {
             Ok(AutocalibrationAnswer::Found(found)) => {
                 app.camera_found(&self.document, self.with_frame_ids(*found));
             }
-            Ok(AutocalibrationAnswer::Two {
-                best,
-                other,
-                deciding,
-            }) => {
-                let two = TwoCameras::new(self, [*best, *other], deciding, |deciding| {
-                    app.label(&Target::Landmark(deciding.landmark.clone()))
-                });
-                app.ask_which_camera(two);
-            }
             Ok(AutocalibrationAnswer::Abstained { why, clicks }) => {
                 let help = clicks_that_help(&why, clicks.as_ref(), &self.document, |landmark| {
                     app.label(&Target::Landmark(landmark.clone()))
                 });
                 let why = describe_abstention(&why, &help);
                 app.session.warn(why.clone());
-                app.operations.camera_search.left = SearchFollowUp::Abstained {
+                app.operations.camera_search.no_answer = Some(NoAnswer {
                     camera: self.camera.clone(),
                     why,
                     frame: clicks.map(|clicks| self.document.frames[clicks.frame].id.clone()),
-                };
+                });
             }
             Err(failure) => {
                 let text = format!("The search for the camera failed: {failure}.");
@@ -187,25 +167,20 @@ fn why_no_search_of_sport(document: &Document, camera: &CameraId) -> Option<&'st
 }
 
 impl App {
-    /// The camera that was found last, or of two the one that explains more paint.
+    /// The camera that was found last.
     pub fn found_camera(&self) -> Option<Arc<FoundCamera>> {
         self.operations.camera_search.found.clone()
     }
 
     /// Why a command of the search is not available. None if it is.
     pub(in crate::app) fn why_not_camera_search(&self, command: Command) -> Option<&'static str> {
-        let CameraSearchState { slot, left, .. } = &self.operations.camera_search;
+        let CameraSearchState {
+            slot, no_answer, ..
+        } = &self.operations.camera_search;
         match command {
             Command::FindCamera => self.why_not_find_camera(),
-            Command::StopFindCamera
-                if !slot.is_running() && matches!(left, SearchFollowUp::Nothing) =>
-            {
+            Command::StopFindCamera if !slot.is_running() && no_answer.is_none() => {
                 Some("No search for a camera is running.")
-            }
-            Command::TryFirstCamera | Command::TryOtherCamera
-                if !matches!(left, SearchFollowUp::Two(_)) =>
-            {
-                Some("There are no two cameras to choose from.")
             }
             _ => None,
         }
@@ -246,8 +221,6 @@ impl App {
         match command {
             Command::FindCamera => self.find_camera(),
             Command::StopFindCamera => self.stop_find_camera(),
-            Command::TryFirstCamera => self.try_camera(0),
-            Command::TryOtherCamera => self.try_camera(1),
             _ => {}
         }
     }
@@ -259,7 +232,7 @@ impl App {
             return;
         };
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.operations.camera_search.left = SearchFollowUp::Nothing;
+        self.operations.camera_search.no_answer = None;
         self.start(CameraSearch {
             document,
             folder,
@@ -267,9 +240,9 @@ impl App {
         });
     }
 
-    /// Stops the search, or dismisses its pending choice. The document does not change.
+    /// Stops the search, or dismisses why there is no camera. The document does not change.
     fn stop_find_camera(&mut self) {
-        self.operations.camera_search.left = SearchFollowUp::Nothing;
+        self.operations.camera_search.no_answer = None;
         if self.operations.camera_search.slot.cancel() {
             self.session
                 .note("The search for the camera was stopped; nothing was changed.");
@@ -330,10 +303,8 @@ impl App {
         let offers = [("Review", Command::ReviewPanel), ("Undo", Command::Undo)];
         self.session
             .notify_with(Level::Info, describe_found(&found.found), offers);
-        // What the user is doing in another dialog, and the choice between two cameras, come first;
-        // the message remains.
-        let is_choosing = matches!(self.operations.camera_search.left, SearchFollowUp::Two(_));
-        if self.session.dialog.is_none() && !is_choosing {
+        // What the user is doing in another dialog comes first; the message remains.
+        if self.session.dialog.is_none() {
             self.session.dialog = Some(Dialog::FoundCamera);
         }
     }

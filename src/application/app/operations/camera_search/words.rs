@@ -35,7 +35,7 @@ fn describe_assumed(size: &FittedSize) -> String {
 }
 
 /// The position of a camera, as text.
-pub(super) fn describe_place(found: &AutocalibratedCamera) -> String {
+fn describe_place(found: &AutocalibratedCamera) -> String {
     let at = found.base.position_m;
     format!(
         "{:.1} m high, {:.1} m from the middle of the field",

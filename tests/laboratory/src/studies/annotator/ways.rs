@@ -4,7 +4,7 @@ use super::clip::DrawnClip;
 use crate::ExperimentError;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
-use touchline::autocalibrate::{AutocalibrationAnswer, Doubt, camera_without_clicks};
+use touchline::autocalibrate::{AutocalibrationAnswer, camera_without_clicks};
 use touchline::calibrate::{
     ClipEvidence, FrameLookup, TrackClipOptions, calibrate, clips, record_found, record_tracked,
     track_clip,
@@ -238,8 +238,6 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
             Ok(Ok(labelled))
         }
         AutocalibrationAnswer::Abstained { why, .. } => Ok(Err(why.to_string())),
-        // Two answers wait for a click that decides between them, which this way does not make.
-        AutocalibrationAnswer::Two { .. } => Ok(Err(Doubt::Rival.to_string())),
     }
 }
 
