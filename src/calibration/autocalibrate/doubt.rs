@@ -162,6 +162,7 @@ fn extent(name: &str) -> &'static str {
 mod tests {
     use super::Doubt;
     use crate::autocalibrate::Abstention;
+    use crate::autocalibrate::rotating_camera::{hypothesis, soccer};
 
     #[test]
     fn more_frames_are_tried_where_too_little_was_seen_and_nothing_contradicts() {
@@ -170,12 +171,17 @@ mod tests {
             frames: 30,
         };
         let other_sport = Doubt::Unexplained { share: 0.8 };
-        let uncertain = |doubts: &[&Doubt]| Abstention::Uncertain {
-            doubts: doubts.iter().copied().cloned().collect(),
-            best: None,
+        let mut best = hypothesis(&soccer().assumed).camera;
+        let mut uncertain = |doubts: &[&Doubt], nats| {
+            best.evidence.nats = nats;
+            Abstention::Uncertain {
+                doubts: doubts.iter().copied().cloned().collect(),
+                best: Some(Box::new(best.clone())),
+            }
         };
-        assert!(uncertain(&[&few]).is_for_want_of_frames());
-        assert!(!uncertain(&[&few, &other_sport]).is_for_want_of_frames());
+        assert!(uncertain(&[&few], 160.0).is_for_want_of_frames());
+        assert!(!uncertain(&[&few], 140.0).is_for_want_of_frames());
+        assert!(!uncertain(&[&few, &other_sport], 160.0).is_for_want_of_frames());
         assert!(Abstention::LittlePaint { places: 40 }.is_for_want_of_frames());
         assert!(!Abstention::NothingFits.is_for_want_of_frames());
     }
