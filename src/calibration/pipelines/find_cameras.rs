@@ -35,13 +35,25 @@ struct SearchLimits {
     divides: bool,
 }
 
+/// A camera that is to be searched.
+#[derive(Clone, Debug)]
+struct Waiting {
+    camera: CameraId,
+    /// For every camera but the first: the number of sampled frames that were split off.
+    separate_frames: Option<usize>,
+    /// The camera that its frames go back to where it is not found: the search tied them to that
+    /// camera, which may know them all the same.
+    back_to: Option<CameraId>,
+}
+
 impl Labelling<'_> {
     /// Searches for all cameras, and writes them into the document. Sampled frames that match none
     /// of the largest group are split off as another camera before the search goes on, so that each
-    /// camera is searched from as many of its own frames as if it were alone. A camera that is not
-    /// found leaves its frames without one, and the others are searched all the same. Returns the
-    /// cameras that were found; if there are none, the reason for the first one, and the document
-    /// is unchanged.
+    /// camera is searched from as many of its own frames as if it were alone; shots of the group
+    /// that a found camera does not answer are another camera's, too. A camera that is not found
+    /// leaves its frames without one, and the others are searched all the same. Returns the cameras
+    /// that were found; if there are none, the reason for the first one, and the document is
+    /// unchanged.
     ///
     /// # Errors
     /// A search failed, or was cancelled before a camera was found.
@@ -65,9 +77,17 @@ impl Labelling<'_> {
         // What one camera costs is a measure for the others: where there is no answer, the search
         // tries all places with more and more frames.
         let mut most_stages = usize::MAX;
-        // The cameras to search, with the number of sampled frames that were split off.
-        let mut waiting = VecDeque::from([(first.clone(), None)]);
-        'cameras: while let Some((camera, separate_frames)) = waiting.pop_front() {
+        let mut waiting = VecDeque::from([Waiting {
+            camera: first.clone(),
+            separate_frames: None,
+            back_to: None,
+        }]);
+        'cameras: while let Some(next) = waiting.pop_front() {
+            let Waiting {
+                camera,
+                separate_frames,
+                back_to,
+            } = next;
             let mut divides = true;
             let (end, answer) = loop {
                 let limits = SearchLimits {
@@ -80,8 +100,26 @@ impl Labelling<'_> {
                 };
                 let other = split_off(self.document, &camera, &end.searched, &end.others);
                 divides = other.is_some();
-                waiting.extend(other.map(|other| (other, Some(end.others.len()))));
-                if let Some(answer) = answer {
+                waiting.extend(other.map(|other| Waiting {
+                    camera: other,
+                    separate_frames: Some(end.others.len()),
+                    back_to: back_to.clone(),
+                }));
+                let Some(answer) = answer else { continue };
+                let tied = end.tied_frames(self.document);
+                let other = if end.agreeing.len() >= MIN_FRAMES {
+                    split_off(self.document, &camera, &end.agreeing, &tied)
+                } else {
+                    None
+                };
+                // Without the shots of other cameras a refused one may be certain.
+                let is_to_search_again = other.is_some() && answer.is_err();
+                waiting.extend(other.map(|other| Waiting {
+                    camera: other,
+                    separate_frames: Some(tied.len()),
+                    back_to: Some(back_to.as_ref().unwrap_or(&camera).clone()),
+                }));
+                if !is_to_search_again {
                     break (end, answer);
                 }
             };
@@ -108,7 +146,12 @@ impl Labelling<'_> {
                     found.push((camera, of_camera));
                 }
                 Err(why) if separate_frames.is_none() => why_not_first = Some(why),
-                Err(why) => self.report_not_found(&camera, why, separate_frames),
+                Err(why) => {
+                    self.report_not_found(&camera, why, separate_frames);
+                    if let Some(back_to) = back_to {
+                        self.give_frames_to(&camera, &back_to);
+                    }
+                }
             }
         }
         Ok(match why_not_first {
@@ -136,12 +179,7 @@ impl Labelling<'_> {
         let Some((known, joined)) = joined else {
             return false;
         };
-        for index in 0..self.document.frames.len() {
-            if self.document.frames[index].camera == *camera {
-                self.document.frames[index].camera = known.clone();
-            }
-        }
-        self.document.cameras.retain(|other| other.id != *camera);
+        self.give_frames_to(camera, known);
         record_found(self.document, known, &joined);
         let _ = self.progress.report(MatchEvent::Joined {
             camera: known.clone(),
@@ -149,6 +187,16 @@ impl Labelling<'_> {
             document: Box::new(self.document.clone()),
         });
         true
+    }
+
+    /// Gives all frames of a camera to another one, and removes it.
+    fn give_frames_to(&mut self, camera: &CameraId, other: &CameraId) {
+        for index in 0..self.document.frames.len() {
+            if self.document.frames[index].camera == *camera {
+                self.document.frames[index].camera = other.clone();
+            }
+        }
+        self.document.cameras.retain(|one| one.id != *camera);
     }
 
     fn report_not_found(&self, camera: &CameraId, why: NoCamera, separate_frames: Option<usize>) {
@@ -249,7 +297,11 @@ impl Labelling<'_> {
                 }
             }),
         };
-        let end = end.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut end = end.into_inner().unwrap_or_else(PoisonError::into_inner);
+        end.note_best(answer.as_ref().and_then(|answer| match answer {
+            Ok(found) => Some(&**found),
+            Err(why) => why.best(),
+        }));
         Ok((end, answer))
     }
 }
@@ -355,6 +407,7 @@ mod tests {
                 stages: 1,
                 searched: matching,
                 others,
+                agreeing: Vec::new(),
             };
             if is_divided {
                 return Ok((end, None));
@@ -388,6 +441,58 @@ mod tests {
         let (searched, is_found, document) = find_in_shots(DIFFERENT_M, &[0, 1, 2, 3]);
         assert_eq!((searched, is_found), (each, false));
         assert_eq!(document, four_shots(), "unchanged");
+    }
+
+    /// The frames of all four shots match each other: one search has them all, and its answer is
+    /// that of the first shot. The next has those that were split off.
+    #[test]
+    fn shots_of_a_group_that_its_camera_does_not_answer_are_searched_for_another() {
+        // Of the shots in `known` each camera answers one; no camera answers the others.
+        for (known, cameras) in [(&[0, 1, 2, 3][..], 4), (&[0, 2], 2)] {
+            let mut document = four_shots();
+            let mut labelling = Labelling {
+                document: &mut document,
+                folder: Path::new("."),
+                reader: &mut FrameReader::new(),
+                options: &MatchOptions::default(),
+                progress: &Progress::default(),
+                work: Arc::new(KeptWork::none()),
+            };
+            let found = labelling.find_cameras_by(&"main".into(), |labelling, camera, _| {
+                let frames = &labelling.document.frames;
+                let searched: Vec<usize> =
+                    (0..80).filter(|at| frames[*at].camera == *camera).collect();
+                let of_shot = |shot: usize| 20 * shot..20 * (shot + 1);
+                let shots = known.iter().copied();
+                let shot = shots.clone().find(|shot| searched.contains(&(20 * shot)));
+                let answer = match shot {
+                    Some(shot) => Ok(Arc::new(camera_at(
+                        DIFFERENT_M[shot],
+                        shot,
+                        frames[0].image_size,
+                    ))),
+                    None => Err(NoCamera::Before {
+                        message: String::new(),
+                        asks_for_clicks: false,
+                    }),
+                };
+                let end = SearchEnd {
+                    stages: 1,
+                    searched,
+                    others: Vec::new(),
+                    agreeing: shot.map(of_shot).into_iter().flatten().collect(),
+                };
+                Ok((end, Some(answer)))
+            });
+            assert_eq!(found.unwrap().unwrap().len(), cameras, "{known:?}");
+            let ids: BTreeSet<&CameraId> = (0..4)
+                .map(|shot| &document.frames[20 * shot].camera)
+                .collect();
+            assert_eq!((ids.len(), document.cameras.len()), (cameras, cameras));
+            // Frames that no camera answers go back to the first, which may know them all the same.
+            let of_second = document.frames[30].camera.as_str();
+            assert_eq!(of_second == "main", !known.contains(&1), "{of_second}");
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::no_camera::NoCamera;
 use crate::autocalibrate::AutocalibrationProgress;
 use crate::calibrate::AutocalibratedCamera;
 use crate::calibrate::kept::{Kept, kept};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use touchline_documents::document::Document;
 
@@ -20,10 +21,13 @@ pub(super) struct SearchEnd {
     pub searched: Vec<usize>,
     /// Indices in the document of the sampled frames that match none of these.
     pub others: Vec<usize>,
+    /// Of those that were searched, the frames whose paint lies on the lines of the best camera,
+    /// found or not.
+    pub agreeing: Vec<usize>,
 }
 
 kept! {
-    SearchEnd { stages, searched, others }
+    SearchEnd { stages, searched, others, agreeing }
 }
 
 impl SearchEnd {
@@ -37,6 +41,27 @@ impl SearchEnd {
             }
             _ => {}
         }
+    }
+
+    /// Notes the frames that agree with the best camera of the answer.
+    pub fn note_best(&mut self, best: Option<&AutocalibratedCamera>) {
+        let frames = best.into_iter().flat_map(|best| &best.frames);
+        let aligned = frames.filter(|frame| frame.snapped.is_some());
+        self.agreeing = aligned.map(|frame| frame.index).collect();
+    }
+
+    /// The searched frames of shots of which no frame agrees with the best camera. A chance match
+    /// ties the frames of two cameras into one group, of which the best camera answers its own.
+    pub fn tied_frames(&self, document: &Document) -> Vec<usize> {
+        let shot_of = |index: &usize| document.frames[*index].clip.as_ref();
+        let agreeing: BTreeSet<_> = self.agreeing.iter().map(shot_of).collect();
+        let searched = self.searched.iter().copied();
+        searched
+            .filter(|index| {
+                let shot = shot_of(index);
+                shot.is_some() && !agreeing.contains(&shot)
+            })
+            .collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Why a search gave no camera, and what would help.
 
 use crate::autocalibrate::{Abstention, WantedClicks};
+use crate::calibrate::AutocalibratedCamera;
 use touchline_documents::document::Document;
 
 /// Why a search gave no camera.
@@ -23,6 +24,14 @@ pub enum NoCamera {
 }
 
 impl NoCamera {
+    /// The best answer of the search, although it is not certain.
+    pub(super) fn best(&self) -> Option<&AutocalibratedCamera> {
+        match self {
+            Self::Abstained { why, .. } => why.best(),
+            Self::Before { .. } => None,
+        }
+    }
+
     /// Whether clicks that it names would lead to an answer.
     pub const fn asks_for_clicks(&self) -> bool {
         match self {

@@ -124,6 +124,7 @@ impl Labelling<'_> {
             stages: 1,
             searched,
             others,
+            ..SearchEnd::default()
         }
     }
 }

@@ -24,8 +24,9 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Autocali
         let Some(frame) = document.frames.get_mut(of_found.index) else {
             continue;
         };
-        // A person accepted this frame; the search does not overrule that.
-        if frame.status == FrameStatus::Reference {
+        // A person accepted this frame, which the search does not overrule, or it went to another
+        // camera meanwhile.
+        if frame.status == FrameStatus::Reference || frame.camera != *camera {
             continue;
         }
         if frame.status == FrameStatus::New {
