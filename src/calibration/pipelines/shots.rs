@@ -17,8 +17,9 @@ use touchline_vision::track::{FoundCut, find_cuts};
 /// Maximum number of pictures of a shot that say what it shows.
 const LOOKED_AT: usize = 3;
 
-/// Minimum share of a picture's pixels that are marking pixels, where a field is in view, at this
-/// width. Main cameras of soccer give 0.0032 and more, players before turf at most 0.0006.
+/// Minimum share of the pixels of a shot's pictures that are marking pixels, where a field is in
+/// view, at this width. Main cameras of soccer give 0.0032 and more, players before turf at most
+/// 0.0006; of two drawn broadcasts cameras of the field 0.0014 and more, spectators 0.0005.
 const LEAST_PAINT: f64 = 0.0008;
 const PAINT_WIDTH_PX: f64 = 1280.0;
 
@@ -146,7 +147,7 @@ fn mark_contents(
             return;
         }
         let looked_at: Vec<usize> = subsample(frames, LOOKED_AT).collect();
-        let key = work.begin_key("content").and_then(|mut parts| {
+        let key = work.begin_key("paint of shots").and_then(|mut parts| {
             for frame in &looked_at {
                 let frame = &document.frames[*frame];
                 parts.add_picture(frame.picture_source(folder).as_ref());
@@ -160,16 +161,19 @@ fn mark_contents(
             let looks = looked_at.iter().filter_map(|frame| {
                 let frame = &document.frames[*frame];
                 let picture = read_picture(&mut *reader, frame, folder).ok()?;
-                Some(shows_field(&picture, &document.masks_of(frame)))
+                Some(share_of_paint(&picture, &document.masks_of(frame)))
             });
-            let shown: Vec<bool> = looks.collect();
+            let shown: Vec<f64> = looks.collect();
             if let Some(key) = key {
                 work.keep(&key, &shown);
             }
             shown
         };
         if !shown.is_empty() {
-            document.shots[index].content = Some(if shown.contains(&true) {
+            // In the mean: one picture of a field is enough, and one of spectators in which a little
+            // looks like paint is not.
+            let mean = shown.iter().sum::<f64>() / shown.len() as f64;
+            document.shots[index].content = Some(if mean >= LEAST_PAINT {
                 ShotContent::Field
             } else {
                 ShotContent::NoField
@@ -178,15 +182,19 @@ fn mark_contents(
     }
 }
 
-/// Whether a picture shows ground with painted lines.
-fn shows_field(picture: &Picture, masks: &[PixelBox]) -> bool {
+/// The share of a picture's pixels that are marking pixels, at [`PAINT_WIDTH_PX`]; 0 where it shows
+/// too little ground.
+fn share_of_paint(picture: &Picture, masks: &[PixelBox]) -> f64 {
     let ground = GroundPicture::new(picture, masks);
     let size = ground.size();
     let marked = MarkingPixels::detect(&ground).points.len() as f64;
     let area = f64::from(size.width) * f64::from(size.height);
     // Marking pixels lie along the lines, so that their number grows with the width of a picture.
-    let share = marked * (f64::from(size.width) / PAINT_WIDTH_PX) / area;
-    share >= LEAST_PAINT && ground_share(&ground) >= LEAST_GROUND
+    if ground_share(&ground) >= LEAST_GROUND {
+        marked * (f64::from(size.width) / PAINT_WIDTH_PX) / area
+    } else {
+        0.0
+    }
 }
 
 /// The share of a picture that has the colours of its ground.
@@ -252,6 +260,6 @@ mod tests {
     #[test]
     fn a_picture_of_one_colour_shows_no_field() {
         let picture = Picture::with_colour(ImageSize::new(320, 180), [60, 140, 60, 255]);
-        assert!(!shows_field(&picture, &[]));
+        assert!(share_of_paint(&picture, &[]) < LEAST_PAINT);
     }
 }
