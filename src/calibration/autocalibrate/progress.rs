@@ -31,6 +31,9 @@ pub enum AutocalibrationProgress {
         frames: Vec<usize>,
         /// Indices in the document of the other sampled frames: taken to be another camera's.
         others: Vec<usize>,
+        /// Which of `frames` match each other, by their places in it, and how many of their points
+        /// do.
+        links: Vec<([usize; 2], usize)>,
     },
     /// Persistent paint is collected, once for each kind of places that is searched and each number
     /// of frames.

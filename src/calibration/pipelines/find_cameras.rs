@@ -5,7 +5,7 @@ use super::kept_search::{KeptAnswer, KeptSearch, SearchEnd};
 use super::kept_work::{KeptWork, WorkKey};
 use super::match_labels::{Labelling, MatchEvent};
 use super::no_camera::NoCamera;
-use super::other_cameras::{MIN_FRAMES, split_off};
+use super::other_cameras::{MIN_FRAMES, frames_of_others, split_off};
 use super::same_camera::join_same;
 use crate::autocalibrate::{
     AutocalibrationAnswer, AutocalibrationError, SearchExtent, find_camera_in_stages,
@@ -106,20 +106,17 @@ impl Labelling<'_> {
                     back_to: back_to.clone(),
                 }));
                 let Some(answer) = answer else { continue };
-                let tied = end.tied_frames(self.document);
-                let other = if end.agreeing.len() >= MIN_FRAMES {
-                    split_off(self.document, &camera, &end.agreeing, &tied)
-                } else {
-                    None
-                };
+                let num_waiting = waiting.len();
+                for others in frames_of_others(self.document, &end, answer.is_ok()) {
+                    let other = split_off(self.document, &camera, &end.searched, &others);
+                    waiting.extend(other.map(|other| Waiting {
+                        camera: other,
+                        separate_frames: Some(others.len()),
+                        back_to: Some(back_to.as_ref().unwrap_or(&camera).clone()),
+                    }));
+                }
                 // Without the shots of other cameras a refused one may be certain.
-                let is_to_search_again = other.is_some() && answer.is_err();
-                waiting.extend(other.map(|other| Waiting {
-                    camera: other,
-                    separate_frames: Some(tied.len()),
-                    back_to: Some(back_to.as_ref().unwrap_or(&camera).clone()),
-                }));
-                if !is_to_search_again {
+                if answer.is_ok() || waiting.len() == num_waiting {
                     break (end, answer);
                 }
             };
@@ -407,7 +404,7 @@ mod tests {
                 stages: 1,
                 searched: matching,
                 others,
-                agreeing: Vec::new(),
+                ..SearchEnd::default()
             };
             if is_divided {
                 return Ok((end, None));
@@ -481,6 +478,7 @@ mod tests {
                     searched,
                     others: Vec::new(),
                     agreeing: shot.map(of_shot).into_iter().flatten().collect(),
+                    links: Vec::new(),
                 };
                 Ok((end, Some(answer)))
             });

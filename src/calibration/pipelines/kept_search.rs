@@ -4,7 +4,6 @@ use super::no_camera::NoCamera;
 use crate::autocalibrate::AutocalibrationProgress;
 use crate::calibrate::AutocalibratedCamera;
 use crate::calibrate::kept::{Kept, kept};
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use touchline_documents::document::Document;
 
@@ -24,10 +23,13 @@ pub(super) struct SearchEnd {
     /// Of those that were searched, the frames whose paint lies on the lines of the best camera,
     /// found or not.
     pub agreeing: Vec<usize>,
+    /// Which of those that were searched match each other, by their places in `searched`, and how
+    /// many of their points do.
+    pub links: Vec<([usize; 2], usize)>,
 }
 
 kept! {
-    SearchEnd { stages, searched, others, agreeing }
+    SearchEnd { stages, searched, others, agreeing, links }
 }
 
 impl SearchEnd {
@@ -35,9 +37,14 @@ impl SearchEnd {
     pub fn note(&mut self, step: &AutocalibrationProgress) {
         match step {
             AutocalibrationProgress::Gathering => self.stages += 1,
-            AutocalibrationProgress::Matched { frames, others } => {
+            AutocalibrationProgress::Matched {
+                frames,
+                others,
+                links,
+            } => {
                 self.searched.clone_from(frames);
                 self.others.clone_from(others);
+                self.links.clone_from(links);
             }
             _ => {}
         }
@@ -48,20 +55,6 @@ impl SearchEnd {
         let frames = best.into_iter().flat_map(|best| &best.frames);
         let aligned = frames.filter(|frame| frame.snapped.is_some());
         self.agreeing = aligned.map(|frame| frame.index).collect();
-    }
-
-    /// The searched frames of shots of which no frame agrees with the best camera. A chance match
-    /// ties the frames of two cameras into one group, of which the best camera answers its own.
-    pub fn tied_frames(&self, document: &Document) -> Vec<usize> {
-        let shot_of = |index: &usize| document.frames[*index].clip.as_ref();
-        let agreeing: BTreeSet<_> = self.agreeing.iter().map(shot_of).collect();
-        let searched = self.searched.iter().copied();
-        searched
-            .filter(|index| {
-                let shot = shot_of(index);
-                shot.is_some() && !agreeing.contains(&shot)
-            })
-            .collect()
     }
 }
 

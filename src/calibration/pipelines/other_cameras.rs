@@ -1,16 +1,78 @@
 //! Further cameras of a video or folder: frames that match none of a camera's frames belong to
-//! another camera.
+//! another camera, and so do shots that match them although the camera does not answer them.
 
+use super::kept_search::SearchEnd;
 use crate::calibrate::add_camera_like;
-use std::collections::BTreeMap;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 use touchline_documents::document::{CameraId, Clip, Document};
 
 /// Minimum number of frames for a separate camera.
 pub(super) const MIN_FRAMES: usize = 6;
 
+/// The searched frames that are most likely of other cameras, in parts of one each, if the search
+/// had frames of several. Cameras of one stadium match where both see the far stands.
+pub(super) fn frames_of_others(
+    document: &Document,
+    end: &SearchEnd,
+    is_found: bool,
+) -> Vec<Vec<usize>> {
+    let shot_of = |index: &usize| document.frames[*index].clip.as_ref();
+    let in_shots = |is_in: &dyn Fn(&Clip) -> bool| -> Vec<usize> {
+        let searched = end.searched.iter().copied();
+        searched
+            .filter(|index| shot_of(index).is_some_and(is_in))
+            .collect()
+    };
+    if end.agreeing.len() >= MIN_FRAMES {
+        // Shots of which no frame lies on the lines of the best camera.
+        let agreeing: BTreeSet<&Clip> = end.agreeing.iter().filter_map(shot_of).collect();
+        vec![in_shots(&|shot| !agreeing.contains(shot))]
+    } else if is_found {
+        Vec::new()
+    } else {
+        let parts = parts_by_best_link(document, end).into_iter().skip(1);
+        parts
+            .map(|part| in_shots(&|shot| part.contains(shot)))
+            .collect()
+    }
+}
+
+/// The shots of the searched frames, in parts that are most likely of one camera each, the largest
+/// first: each shot is in one part with the shot that its own frames match best.
+fn parts_by_best_link<'a>(document: &'a Document, end: &SearchEnd) -> Vec<BTreeSet<&'a Clip>> {
+    let shot_of = |place: usize| document.frames[end.searched[place]].clip.as_ref();
+    let mut best: BTreeMap<&Clip, (usize, &Clip)> = BTreeMap::new();
+    for ([one, other], agreeing) in &end.links {
+        let (Some(one), Some(other)) = (shot_of(*one), shot_of(*other)) else {
+            continue;
+        };
+        for (from, to) in [(one, other), (other, one)] {
+            let known = best.get(from).map_or(0, |(most, _)| *most);
+            if from != to && *agreeing > known {
+                best.insert(from, (*agreeing, to));
+            }
+        }
+    }
+    let mut parts: Vec<BTreeSet<&Clip>> = Vec::new();
+    for (shot, (_, linked)) in best {
+        let mut joined = BTreeSet::from([shot, linked]);
+        parts.retain(|part| {
+            let is_apart = part.is_disjoint(&joined);
+            if !is_apart {
+                joined.extend(part);
+            }
+            is_apart
+        });
+        parts.push(joined);
+    }
+    parts.sort_by_key(|part| Reverse(part.len()));
+    parts
+}
+
 /// Assigns the frames `others`, and those between two of them, to a new camera without a base.
-/// `camera` is the camera that they had, and `looked_at` are its sampled frames. Returns the new
-/// id; none if there are too few others, or if they all lie in its shots.
+/// `camera` is the camera that they had, and `looked_at` are its sampled frames, `others` among them
+/// or not. Returns the new id; none if there are too few others, or if they all lie in its shots.
 pub(super) fn split_off(
     document: &mut Document,
     camera: &CameraId,
@@ -86,6 +148,36 @@ mod tests {
     use touchline_core::geometry::ImageSize;
     use touchline_documents::document::{Camera, FieldSpec};
     use touchline_documents::testing::{new_frame, soccer_document};
+
+    #[test]
+    fn a_refused_group_falls_into_the_shots_that_match_best() {
+        let size = ImageSize::new(64, 36);
+        let mut document = soccer_document();
+        for index in 0..20 {
+            let mut frame = new_frame(&format!("{index}.png"), size);
+            frame.clip = Some(Clip::Number(index / 4));
+            document.frames.push(frame.into());
+        }
+        // Shots 0, 1 and 3 are one camera's, 2 and 4 another's; all see the same stands.
+        let same = [(0, 1, 60), (1, 3, 44), (2, 4, 90)];
+        let stands = [(0, 2, 40), (1, 4, 42), (3, 4, 30)];
+        let links = same.into_iter().chain(stands);
+        let end = SearchEnd {
+            searched: (0..20).collect(),
+            links: links
+                .map(|(one, other, points)| ([4 * one, 4 * other], points))
+                .collect(),
+            ..SearchEnd::default()
+        };
+        let others: Vec<usize> = (8..12).chain(16..20).collect();
+        assert_eq!(frames_of_others(&document, &end, false), [others]);
+        assert!(frames_of_others(&document, &end, true).is_empty());
+        // Where frames agree with the best camera, they say which shots are another one's.
+        let agreeing = (0..8).collect();
+        let of_known = SearchEnd { agreeing, ..end };
+        let rest: Vec<usize> = (8..20).collect();
+        assert_eq!(frames_of_others(&document, &of_known, true), [rest]);
+    }
 
     #[test]
     fn frames_between_two_of_another_camera_are_its_own() {

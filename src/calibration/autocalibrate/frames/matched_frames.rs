@@ -106,6 +106,11 @@ impl MatchedFrames {
             AutocalibrationProgress::Matched {
                 frames: matched.indices.clone(),
                 others: matched.others.clone(),
+                links: matched
+                    .matches
+                    .iter()
+                    .map(|edge| ([edge.first, edge.second], edge.agreeing))
+                    .collect(),
             },
         )?;
         Ok(matched)
