@@ -16,10 +16,11 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline::camera::PtzCamera;
 use touchline::document::{
-    Document, FieldSpec, Shot, ShotContent, ShotEnd, ShotKind, document_from_frames,
+    CameraId, Document, FieldSpec, Shot, ShotContent, ShotEnd, ShotKind, document_from_frames,
     shots_of_frames,
 };
-use touchline::geometry::Vec3;
+use touchline::field::{FieldLine, FieldModel};
+use touchline::geometry::ImageSize;
 use touchline::media::{FrameReader, FrameSource, Video};
 use touchline::pipelines::{MatchEvent, MatchOptions, label_match};
 use touchline::progress::Progress;
@@ -31,7 +32,7 @@ const NEAR: u64 = 3;
 const LEAST_SHOTS: u32 = 3;
 const LEAST_FRAMES: u32 = 500;
 /// Confidence of a certain frame; largest error of a right and least of a wrong one, of the worst
-/// place of the ground in view, px at 1920 px width.
+/// place of a painted line in view, px at 1920 px width.
 const CERTAIN: f64 = 0.95;
 const RIGHT_PX: f64 = 5.0;
 const WRONG_PX: f64 = 10.0;
@@ -177,19 +178,29 @@ fn compare_shots(truth: &Document, document: &Document, counts: &mut Counts, fou
     }
 }
 
-/// The largest distance of places of the ground in view from where they are, px at 1920 px width.
-fn worst_px(truth: &PtzCamera, found: &PtzCamera, width: f64, height: f64) -> f64 {
+/// The largest distance of painted lines in view from where they are, px at 1920 px width; each
+/// camera looks at the field that it was found with.
+fn worst_px(
+    [truth, found]: [(&PtzCamera, &FieldModel); 2],
+    ImageSize { width, height }: ImageSize,
+) -> f64 {
+    const SAMPLES: u32 = 40;
+    let (width, height) = (f64::from(width), f64::from(height));
     let mut worst: f64 = 0.0;
-    for (x, y) in (-13..=13).flat_map(|x| (-8..=8).map(move |y| (x, y))) {
-        let place = Vec3::new(4.0 * f64::from(x), 4.2 * f64::from(y), 0.0);
-        let Ok(there) = truth.image_from_world(place) else {
-            continue;
-        };
-        if (0.0..=width).contains(&there.x) && (0.0..=height).contains(&there.y) {
-            let off = found
-                .image_from_world(place)
-                .map(|here| here.distance_px(there));
-            worst = worst.max(off.unwrap_or(width));
+    for (line, drawn) in truth.1.lines.iter().zip(&found.1.lines) {
+        for step in 0..=SAMPLES {
+            let along = f64::from(step) / f64::from(SAMPLES);
+            let place = |(camera, field): (&PtzCamera, &FieldModel), line: &FieldLine| {
+                let nominal_m = line.paint_centre.point_at(along);
+                camera.image_from_world(field.world_from_nominal(nominal_m))
+            };
+            let Ok(there) = place(truth, line) else {
+                continue;
+            };
+            if (0.0..=width).contains(&there.x) && (0.0..=height).contains(&there.y) {
+                let off = place(found, drawn).map(|here| here.distance_px(there));
+                worst = worst.max(off.unwrap_or(width));
+            }
         }
     }
     worst * 1920.0 / width
@@ -200,6 +211,14 @@ fn compare_cameras(truth: &Document, document: &Document, counts: &mut Counts) {
     // that most of its frames got.
     let mut cameras: BTreeMap<&str, [u32; 4]> = BTreeMap::new();
     let mut names: BTreeMap<usize, (&str, BTreeMap<&str, u32>)> = BTreeMap::new();
+    let true_field = truth.field.model(Path::new("")).unwrap();
+    let cameras_found = document.cameras.iter();
+    let fields: BTreeMap<CameraId, FieldModel> = cameras_found
+        .map(|camera| {
+            let field = document.field_of_camera(&camera.id).model(Path::new(""));
+            (camera.id.clone(), field.unwrap())
+        })
+        .collect();
     for ((frame, shot), found) in truth
         .frames
         .iter()
@@ -224,8 +243,11 @@ fn compare_cameras(truth: &Document, document: &Document, counts: &mut Counts) {
         });
         camera[1] += 1;
         if let Some(answer) = document.ptz_camera(found) {
-            let [width, height] = [frame.image_size.width, frame.image_size.height].map(f64::from);
-            let off = worst_px(&exact, &answer, width, height);
+            let of_found = &fields[&found.camera];
+            let off = worst_px(
+                [(&exact, &true_field), (&answer, of_found)],
+                frame.image_size,
+            );
             camera[2] += 1;
             camera[3] += u32::from(off <= RIGHT_PX);
             *of_shot.1.entry(found.camera.as_str()).or_default() += 1;

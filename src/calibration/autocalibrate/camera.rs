@@ -181,7 +181,7 @@ impl<'a> Search<'a> {
         match self.run_with(max_sampled, &mut sampled, picture)? {
             AutocalibrationAnswer::Abstained { why, .. }
                 if self.of_camera.len() > max_sampled
-                    && why.is_for_want_of_frames()
+                    && why.is_for_want_of_frames(MIN_NATS)
                     && self.may_go_on() =>
             {
                 self.run_with(2 * max_sampled, &mut sampled, picture)

@@ -179,11 +179,11 @@ mod tests {
                 best: Some(Box::new(best.clone())),
             }
         };
-        assert!(uncertain(&[&few], 160.0).is_for_want_of_frames());
-        assert!(!uncertain(&[&few], 140.0).is_for_want_of_frames());
-        assert!(!uncertain(&[&few, &other_sport], 160.0).is_for_want_of_frames());
-        assert!(Abstention::LittlePaint { places: 40 }.is_for_want_of_frames());
-        assert!(!Abstention::NothingFits.is_for_want_of_frames());
+        assert!(uncertain(&[&few], 160.0).is_for_want_of_frames(150.0));
+        assert!(!uncertain(&[&few], 140.0).is_for_want_of_frames(150.0));
+        assert!(!uncertain(&[&few, &other_sport], 160.0).is_for_want_of_frames(150.0));
+        assert!(Abstention::LittlePaint { places: 40 }.is_for_want_of_frames(150.0));
+        assert!(!Abstention::NothingFits.is_for_want_of_frames(150.0));
     }
 
     fn click(off_px: f64) -> Doubt {

@@ -1,7 +1,6 @@
 //! Errors of autocalibration, and reasons to give no answer.
 
 use crate::autocalibrate::Doubt;
-use crate::autocalibrate::adjustment::evidence::MIN_NATS;
 use crate::calibrate::AutocalibratedCamera;
 use thiserror::Error;
 use touchline_core::field::FieldError;
@@ -74,15 +73,16 @@ impl Abstention {
         }
     }
 
-    /// Whether twice as many frames may lead to an answer: too little was seen, and nothing that was
-    /// seen contradicts the best answer. Evidence counts each place of the panorama once, however many
-    /// frames show it, so where it is too low more frames of the same views do not raise it.
-    pub(super) fn is_for_want_of_frames(&self) -> bool {
+    /// Whether twice as many frames may lead to an answer, which needs `min_nats` of evidence: too
+    /// little was seen, and nothing that was seen contradicts the best answer. Evidence counts each
+    /// place of the panorama once, however many frames show it, so where it is too low more frames
+    /// of the same views do not raise it.
+    pub(super) fn is_for_want_of_frames(&self, min_nats: f64) -> bool {
         match self {
             Self::NotConnected { .. } | Self::LittlePaint { .. } => true,
             Self::Uncertain { doubts, best } => {
                 let nats = best.as_ref().map_or(0.0, |best| best.evidence.nats);
-                nats >= MIN_NATS && doubts.iter().all(Doubt::is_for_want_of_frames)
+                nats >= min_nats && doubts.iter().all(Doubt::is_for_want_of_frames)
             }
             Self::NotTurning(_) | Self::NothingFits | Self::NoCourt => false,
         }
