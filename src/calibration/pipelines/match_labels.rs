@@ -7,9 +7,9 @@
 //! 1. Where the user has venue files, their cameras are tried (`venue_choice.rs`). Else the camera
 //!    is found from some frames, evenly spread over all
 //!    ([`find_camera`](crate::autocalibrate::find_camera)).
-//! 2. Sampled frames that overlap with none of the others belong to another camera. They are split
-//!    off before the search, and searched in their turn, whether the one before was found or not
-//!    (`find_cameras.rs`).
+//! 2. Sampled frames that overlap with none of the others belong to another camera, and so do shots
+//!    that overlap but are not answered. They are split off and searched in their turn, whether the
+//!    one before was found or not (`find_cameras.rs`, `other_cameras.rs`).
 //! 3. The frames that were not sampled follow. Those of a video are tracked from the others, and
 //!    the base is refined on the paint of all of them; shots without a known frame are answered by
 //!    a forest that learns from the tracked frames, and are tracked in their turn. For images, a
