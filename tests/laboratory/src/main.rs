@@ -239,10 +239,15 @@ fn own_documents(args: &ExperimentArgs) -> anyhow::Result<Option<OwnDocuments>> 
 
 fn own_document(path: &Path) -> anyhow::Result<OwnDocument> {
     let (location, document, _) = store::read(path)?;
-    let name = location.name();
-    let name = name.strip_suffix(".json").unwrap_or(&name).to_owned();
+    // A project is named by its folder, another document by its file.
+    let (folder, stem) = (location.folder().file_name(), location.file().file_stem());
+    let named_by = if stem.is_some_and(|stem| stem == "project") {
+        folder.or(stem)
+    } else {
+        stem
+    };
     Ok(OwnDocument {
-        name,
+        name: named_by.unwrap_or_default().to_string_lossy().into_owned(),
         document,
         folder: location.folder().to_path_buf(),
     })

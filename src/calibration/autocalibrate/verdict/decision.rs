@@ -137,7 +137,7 @@ impl Decision<'_> {
                 self.align_refined(refined_runner_up, runner_up)?.camera,
             ],
         };
-        self.leave_to_a_click(best, runner_up, is_doubted)
+        self.leave_to_a_click(best, &runner_up, is_doubted)
     }
 
     /// Abstains between two cameras, and asks for the click that separates them best; with it, a
@@ -146,7 +146,7 @@ impl Decision<'_> {
     fn leave_to_a_click(
         &mut self,
         best: AutocalibratedCamera,
-        other: AutocalibratedCamera,
+        other: &AutocalibratedCamera,
         is_doubted: bool,
     ) -> Result<AutocalibrationAnswer, Stop> {
         let doubt = |camera| {
@@ -156,12 +156,12 @@ impl Decision<'_> {
                 .or_else(|| unusual_size(camera, self.field_prior))
                 .or_else(|| self.contradicting_click(camera))
         };
-        let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
+        let mut doubts: Vec<Doubt> = [&best, other].into_iter().filter_map(doubt).collect();
         if is_doubted || !doubts.is_empty() {
             doubts.insert(0, Doubt::Rival);
             return Err(uncertain(doubts, best));
         }
-        let clicks = deciding_landmark(&self.searched.document, &best, &other);
+        let clicks = deciding_landmark(&self.searched.document, &best, other);
         Ok(AutocalibrationAnswer::Abstained {
             why: Abstention::Uncertain {
                 doubts: vec![Doubt::Rival],
