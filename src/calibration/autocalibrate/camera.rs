@@ -21,7 +21,7 @@ use crate::autocalibrate::frames::sampled_frames::{
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::search::clicked::GroundClick;
 use crate::autocalibrate::search::focal_scales::PartsOfStage;
-use crate::autocalibrate::search::places::{SearchPlaces, is_court};
+use crate::autocalibrate::search::places::{SearchPlaces, has_repeating_lines, is_court};
 use crate::autocalibrate::verdict::checks::contradicting_click;
 use crate::autocalibrate::verdict::decision::Decision;
 use crate::autocalibrate::verdict::wanted_clicks::wanted_clicks;
@@ -282,12 +282,18 @@ impl<'a> Search<'a> {
         if clicks.len() >= MIN_CLICKS {
             let origin = PosesFrom::Clicks(&clicks);
             let answer = self.find_among(origin, &mut Vec::new(), matched, picture);
-            if !matches!(answer, Err(Stop::Abstained(_))) || is_court(&self.field_prior.assumed) {
+            let field = &self.field_prior.assumed;
+            if !matches!(answer, Err(Stop::Abstained(_)))
+                || is_court(field)
+                || has_repeating_lines(field)
+            {
                 return answer;
             }
         } else if is_court(&self.field_prior.assumed) {
             // Without poses from clicks a court has no panorama: see `find_court`.
             return Err(Abstention::NoCourt.into());
+        } else if has_repeating_lines(&self.field_prior.assumed) {
+            return Err(Abstention::LinesRepeat.into());
         }
         // The usual place first. Where it gives no answer, all other places are searched, and what
         // they give competes with the candidates from the usual place.

@@ -54,6 +54,11 @@ pub enum Abstention {
     /// No picture of a court shows enough of its lines.
     #[error("no picture shows enough of the court's lines")]
     NoCourt,
+    /// The lines across the field repeat, so that its pictures fit in several places of it.
+    #[error(
+        "the lines of this field repeat every few metres, so its pictures alone do not say where they are"
+    )]
+    LinesRepeat,
     /// The best answer is not certain.
     #[error("the best answer is not certain, so none is given: {}", join_doubts(.doubts))]
     Uncertain {
@@ -84,7 +89,7 @@ impl Abstention {
                 let nats = best.as_ref().map_or(0.0, |best| best.evidence.nats);
                 nats >= min_nats && doubts.iter().all(Doubt::is_for_want_of_frames)
             }
-            Self::NotTurning(_) | Self::NothingFits | Self::NoCourt => false,
+            Self::NotTurning(_) | Self::NothingFits | Self::NoCourt | Self::LinesRepeat => false,
         }
     }
 }

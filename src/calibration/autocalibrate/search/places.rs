@@ -19,6 +19,19 @@ pub fn relative_size(field: &FieldModel) -> f64 {
     field.length_m.hypot(field.width_m) / 105_f64.hypot(68.0)
 }
 
+/// Whether lines across a field repeat so often that moved along it by one of their distances it
+/// looks nearly the same: of a drawn American football field a camera two five-yard lines off had
+/// as much evidence as the right one, and all its frames on their lines.
+pub fn has_repeating_lines(field: &FieldModel) -> bool {
+    /// Soccer has nine lines across, most of them short, and hockey five.
+    const MOST_ACROSS: usize = 12;
+    let across = field.lines.iter().filter(|line| {
+        let [from, to] = [0.0, 1.0].map(|along| line.curve.point_at(along));
+        (from.x - to.x).abs() < 0.1 && (from.y - to.y).abs() > 0.5 * field.width_m
+    });
+    across.count() > MOST_ACROSS
+}
+
 /// Whether a field is a court, which pictures may show whole: less than half the size of a soccer
 /// pitch.
 pub fn is_court(field: &FieldModel) -> bool {
@@ -143,7 +156,16 @@ fn num_steps(length_m: f64, step_m: f64) -> usize {
 mod tests {
     use super::*;
     use crate::autocalibrate::rotating_camera::soccer;
-    use touchline_core::field::builtin;
+    use touchline_core::field::{Template, builtin, builtin_names};
+
+    #[test]
+    fn only_lines_of_every_few_yards_repeat() {
+        for name in builtin_names() {
+            let field = builtin(name).and_then(Template::default_model);
+            let repeats = has_repeating_lines(&field.unwrap());
+            assert_eq!(repeats, name.starts_with("american_football"), "{name}");
+        }
+    }
 
     /// A court has a quarter of the size and is filmed from a quarter as far away.
     #[test]
