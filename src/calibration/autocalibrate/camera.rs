@@ -278,27 +278,26 @@ impl<'a> Search<'a> {
         picture: PictureOfFrame<'_>,
     ) -> Result<AutocalibrationAnswer, Stop> {
         // Poses from clicks save the search.
+        let field = &self.field_prior.assumed;
         let clicks = self.clicks_in_group(matched);
         if clicks.len() >= MIN_CLICKS {
             let origin = PosesFrom::Clicks(&clicks);
             let answer = self.find_among(origin, &mut Vec::new(), matched, picture);
-            let field = &self.field_prior.assumed;
             if !matches!(answer, Err(Stop::Abstained(_)))
                 || is_court(field)
                 || has_repeating_lines(field)
             {
                 return answer;
             }
-        } else if is_court(&self.field_prior.assumed) {
+        } else if is_court(field) {
             // Without poses from clicks a court has no panorama: see `find_court`.
             return Err(Abstention::NoCourt.into());
-        } else if has_repeating_lines(&self.field_prior.assumed) {
+        } else if has_repeating_lines(field) {
             return Err(Abstention::LinesRepeat.into());
         }
         // The usual place first. Where it gives no answer, all other places are searched, and what
         // they give competes with the candidates from the usual place.
         let mut candidates = Vec::new();
-        let field = &self.field_prior.assumed;
         let usual = PosesFrom::Places(&SearchPlaces::usual(field));
         let answer = self.find_among(usual, &mut candidates, matched, picture);
         if !matches!(answer, Err(Stop::Abstained(_))) || !self.may_go_on() {

@@ -375,13 +375,11 @@ mod tests {
         }
     }
 
-    /// Heights of four cameras.
-    const DIFFERENT_M: [f64; 4] = [15.0, 16.0, 17.0, 18.0];
-
-    /// Searches for the cameras of four shots at these heights, of which those in `refused` give
-    /// none. Returns the frames from which each was searched, whether any was found, and the
-    /// document.
-    fn find_in_shots(heights_m: [f64; 4], refused: &[usize]) -> (Vec<Vec<usize>>, bool, Document) {
+    /// Searches for the cameras of four shots by a search of its own. Returns what was found, and
+    /// the document.
+    fn find_by(
+        search: impl Fn(&mut Labelling<'_>, &CameraId, SearchLimits) -> Searched,
+    ) -> (Result<Vec<Arc<AutocalibratedCamera>>, NoCamera>, Document) {
         let mut document = four_shots();
         let mut labelling = Labelling {
             document: &mut document,
@@ -391,8 +389,19 @@ mod tests {
             progress: &Progress::default(),
             work: Arc::new(KeptWork::none()),
         };
+        let found = labelling.find_cameras_by(&"main".into(), search);
+        (found.unwrap(), document)
+    }
+
+    /// Heights of four cameras.
+    const DIFFERENT_M: [f64; 4] = [15.0, 16.0, 17.0, 18.0];
+
+    /// Searches for the cameras of four shots at these heights, of which those in `refused` give
+    /// none. Returns the frames from which each was searched, whether any was found, and the
+    /// document.
+    fn find_in_shots(heights_m: [f64; 4], refused: &[usize]) -> (Vec<Vec<usize>>, bool, Document) {
         let searched = Mutex::new(Vec::new());
-        let found = labelling.find_cameras_by(&"main".into(), |labelling, camera, limits| {
+        let (found, document) = find_by(|labelling, camera, limits| {
             let frames = &labelling.document.frames;
             let of_camera = (0..80).filter(|at| frames[*at].camera == *camera);
             let of_camera: Vec<usize> = of_camera.collect();
@@ -419,11 +428,7 @@ mod tests {
             };
             Ok((end, Some(answer)))
         });
-        (
-            searched.into_inner().unwrap(),
-            found.unwrap().is_ok(),
-            document,
-        )
+        (searched.into_inner().unwrap(), found.is_ok(), document)
     }
 
     #[test]
@@ -446,22 +451,13 @@ mod tests {
     fn shots_of_a_group_that_its_camera_does_not_answer_are_searched_for_another() {
         // Of the shots in `known` each camera answers one; no camera answers the others.
         for (known, cameras) in [(&[0, 1, 2, 3][..], 4), (&[0, 2], 2)] {
-            let mut document = four_shots();
-            let mut labelling = Labelling {
-                document: &mut document,
-                folder: Path::new("."),
-                reader: &mut FrameReader::new(),
-                options: &MatchOptions::default(),
-                progress: &Progress::default(),
-                work: Arc::new(KeptWork::none()),
-            };
-            let found = labelling.find_cameras_by(&"main".into(), |labelling, camera, _| {
+            let (found, document) = find_by(|labelling, camera, _| {
                 let frames = &labelling.document.frames;
                 let searched: Vec<usize> =
                     (0..80).filter(|at| frames[*at].camera == *camera).collect();
                 let of_shot = |shot: usize| 20 * shot..20 * (shot + 1);
-                let shots = known.iter().copied();
-                let shot = shots.clone().find(|shot| searched.contains(&(20 * shot)));
+                let mut shots = known.iter().copied();
+                let shot = shots.find(|shot| searched.contains(&(20 * shot)));
                 let answer = match shot {
                     Some(shot) => Ok(Arc::new(camera_at(
                         DIFFERENT_M[shot],
@@ -482,7 +478,7 @@ mod tests {
                 };
                 Ok((end, Some(answer)))
             });
-            assert_eq!(found.unwrap().unwrap().len(), cameras, "{known:?}");
+            assert_eq!(found.unwrap().len(), cameras, "{known:?}");
             let ids: BTreeSet<&CameraId> = (0..4)
                 .map(|shot| &document.frames[20 * shot].camera)
                 .collect();
