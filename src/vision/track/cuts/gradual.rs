@@ -28,7 +28,7 @@ pub const REACH: usize = HALF_WINDOWS[HALF_WINDOWS.len() - 1] + BESIDE;
 pub const LEAST_CHANGE: f32 = 12.0;
 /// Minimum share of the cells that differ by [`CHANGED`] grey levels. A player who crosses a
 /// close-up changes fewer.
-const LEAST_CHANGED_SHARE: f32 = 0.45;
+pub const LEAST_CHANGED_SHARE: f32 = 0.45;
 pub const CHANGED: f32 = 8.0;
 /// Maximum mean difference of the frames from mixtures, and from parts of both pictures, relative
 /// to the difference of the two pictures.
@@ -168,23 +168,7 @@ impl<'a, F: Frames> Ends<'a, F> {
                 })
             })
             .collect();
-        // From `begin`, the last frame of α = 0, to `end`, the first one of α = 1.
-        let ramps = (0..shares.len()).flat_map(|begin| {
-            let ends = begin + 1..shares.len();
-            ends.map(move |end| (begin, end))
-        });
-        let misfit = |&(begin, end): &(usize, usize)| -> f32 {
-            let slope = 1.0 / (end - begin) as f32;
-            let misfits = shares.iter().enumerate().map(|(at, share)| {
-                let ramp = (at as f32 - begin as f32) * slope;
-                (share - ramp.clamp(0.0, 1.0)).powi(2)
-            });
-            misfits.sum()
-        };
-        let (misfit, (begin, end)) = ramps
-            .map(|ramp| (misfit(&ramp), ramp))
-            .min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-        let misfit = (misfit / shares.len() as f32).sqrt();
+        let Ramp { begin, end, misfit } = fit_ramp(&shares)?;
         // A wipe is not as even as a ramp where its edge is slanted or curved.
         let (begin, end) = if is_wipe {
             let before = shares[..=begin].iter().rev().take(MOST_UNEVEN);
@@ -200,6 +184,40 @@ impl<'a, F: Frames> Ends<'a, F> {
         };
         Some((first + begin + 1..first + end, misfit))
     }
+}
+
+/// A course that rises from 0 to 1 along a straight line, and is constant beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ramp {
+    /// The last place at which it is 0, and the first one at which it is 1.
+    pub begin: usize,
+    pub end: usize,
+    /// The root mean square of what it leaves of the course.
+    pub misfit: f32,
+}
+
+/// The ramp nearest to a course, in least squares.
+pub fn fit_ramp(shares: &[f32]) -> Option<Ramp> {
+    let ramps = (0..shares.len()).flat_map(|begin| {
+        let ends = begin + 1..shares.len();
+        ends.map(move |end| (begin, end))
+    });
+    let misfit = |&(begin, end): &(usize, usize)| -> f32 {
+        let slope = 1.0 / (end - begin) as f32;
+        let misfits = shares.iter().enumerate().map(|(at, share)| {
+            let ramp = (at as f32 - begin as f32) * slope;
+            (share - ramp.clamp(0.0, 1.0)).powi(2)
+        });
+        misfits.sum()
+    };
+    let (misfit, (begin, end)) = ramps
+        .map(|ramp| (misfit(&ramp), ramp))
+        .min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    Some(Ramp {
+        begin,
+        end,
+        misfit: (misfit / shares.len() as f32).sqrt(),
+    })
 }
 
 /// How far a frame is from a mixture of two pictures or from parts of both, relative to what is

@@ -1,13 +1,15 @@
 //! A frame reduced to a size at which only large structures remain; shot boundaries are detected on
 //! it.
 
+use super::detail::Detail;
 use crate::media::Picture;
+use std::cell::OnceCell;
 use std::ops::Range;
 
 /// Columns of a miniature.
-const WIDTH: usize = 64;
+pub const WIDTH: usize = 64;
 /// Rows of a miniature.
-const HEIGHT: usize = 36;
+pub const HEIGHT: usize = 36;
 /// Pixels sampled per side of a cell; their mean is the value of the cell.
 const SAMPLES: usize = 6;
 /// Largest shift tried, in columns and rows of a miniature of half the size.
@@ -20,6 +22,7 @@ const ZOOMS: [f32; 6] = [0.72, 0.81, 0.9, 1.1, 1.22, 1.35];
 pub struct Miniature {
     /// Red, green and blue of each cell, 0 to 255, row by row from the top.
     cells: Vec<[f32; 3]>,
+    detail: OnceCell<Detail>,
 }
 
 impl Miniature {
@@ -53,7 +56,22 @@ impl Miniature {
                 cells.push(sum.map(|sum| sum as f32 / (SAMPLES * SAMPLES) as f32));
             }
         }
-        Self { cells }
+        Self::from_cells(cells)
+    }
+
+    fn from_cells(cells: Vec<[f32; 3]>) -> Self {
+        Self {
+            cells,
+            detail: OnceCell::new(),
+        }
+    }
+
+    /// The detail of the picture; computed once.
+    pub fn detail(&self) -> &Detail {
+        self.detail.get_or_init(|| {
+            let mean = |cell: &[f32; 3]| cell.iter().sum::<f32>() / 3.0;
+            Detail::new(&self.cells.iter().map(mean).collect::<Vec<f32>>())
+        })
     }
 
     /// The difference of two miniatures under the shift that fits best: mean absolute difference
@@ -191,9 +209,7 @@ impl Miniature {
             let row = WIDTH * source(row, HEIGHT);
             columns.iter().map(move |column| row + column)
         });
-        Self {
-            cells: cells.map(|cell| self.cells[cell]).collect(),
-        }
+        Self::from_cells(cells.map(|cell| self.cells[cell]).collect())
     }
 
     /// The mean of each square of 2 × 2 cells, row by row.

@@ -8,20 +8,25 @@
 //! | transition | is found by |
 //! |---|---|
 //! | fade over black or white | a run of nearly empty frames, with the frames in which the contrast falls and rises |
-//! | dissolve, wipe | `gradual.rs`: mixtures or parts of the two pictures |
-//! | wipe with a graphic | a run of frames that each differ from the one before as in a cut |
+//! | dissolve, wipe | `gradual.rs`: mixtures or parts of the two pictures; `vanishing.rs`: what is left of one of them |
+//! | wipe with a graphic | `graphic.rs`: a run of frames that each differ from the one before as in a cut |
 //!
 //! Frames are reduced to miniatures as they come, and only the last few of these are kept, so that
 //! a whole match can be searched in one pass.
 
+mod detail;
 mod gradual;
+mod graphic;
 mod miniature;
+mod vanishing;
 
 use crate::media::Picture;
 use gradual::{CHANGED, Frames, Gradual, LEAST_CHANGE, REACH, find_gradual};
+use graphic::MOST_GRAPHIC;
 use miniature::Miniature;
 use std::collections::VecDeque;
 use std::ops::Range;
+use vanishing::{Way, find_vanishing};
 
 /// Minimum difference of a cut, grey levels. Neighbouring frames of the fastest pans and zooms of
 /// two broadcasts differ by up to 5.3.
@@ -48,15 +53,10 @@ const MOST_EMPTY: usize = 32;
 const FADE_STEP: f32 = 0.4;
 /// Maximum length of each half of a fade, frames.
 const HALF_FADE: usize = 30;
-/// In a wipe with a graphic, frames that change as in a cut are at most this far apart, frames.
-const GRAPHIC_GAP: usize = 3;
-/// Minimum number of such frames, and the maximum length of the wipe.
-const LEAST_GRAPHIC: usize = 3;
-const MOST_GRAPHIC: usize = 50;
-/// Minimum of the largest difference within such a wipe, grey levels.
-const GRAPHIC_PEAK: f32 = 10.0;
-/// Maximum of that difference, relative to the difference of the pictures before and after.
-const MOST_OF_GRAPHIC: f32 = 0.8;
+/// Pictures are followed at every frame of this number, and the minimum number of these that find a
+/// transition: the pans that look like one do so from one or two.
+const VANISHING_STRIDE: usize = 3;
+const LEAST_VANISHING: usize = 2;
 /// Hard cuts within this many frames belong to one transition: no shot is that short.
 const NO_SHOT: usize = 10;
 /// Number of frames that a transition is examined after, so that what follows it is known.
@@ -89,6 +89,8 @@ struct CutFinder {
     measured: Vec<CutMeasurements>,
     /// Dissolves and wipes.
     gradual: Vec<Gradual>,
+    /// Both, by what is left of the picture before, and of that after.
+    vanishing: [Vec<Gradual>; 2],
     /// Wipes with a graphic.
     graphics: Vec<Range<usize>>,
 }
@@ -220,68 +222,45 @@ impl CutFinder {
     /// at a frame.
     fn examine(&mut self, at: usize) {
         if self.measured[at].changes {
-            let found = find_gradual(self, at);
-            self.gradual.extend(found);
+            self.gradual.extend(find_gradual(self, at));
+            if at.is_multiple_of(VANISHING_STRIDE) {
+                let found = Way::BOTH.map(|way| find_vanishing(self, at, way));
+                for (known, found) in self.vanishing.iter_mut().zip(found) {
+                    known.extend(found);
+                }
+            }
         }
         let found = self.graphic_until(at);
         self.graphics.extend(found);
     }
 
-    /// The wipe with a graphic whose last change is at this frame: the first frame of the new shot.
-    fn graphic_until(&self, end: usize) -> Option<Range<usize>> {
-        let is_violent = |at: usize| self.measured[at].step >= LEAST_CUT;
-        let after = end + 1..(end + 1 + GRAPHIC_GAP).min(self.measured.len());
-        if !is_violent(end) || after.clone().any(is_violent) {
-            return None;
-        }
-        let (mut start, mut count, mut peak) = (end, 0, 0.0_f32);
-        for at in (end.saturating_sub(MOST_GRAPHIC + GRAPHIC_GAP)..=end).rev() {
-            if start - at > GRAPHIC_GAP {
-                break;
-            }
-            if is_violent(at) {
-                (start, count) = (at, count + 1);
-                peak = peak.max(self.measured[at].step);
-            }
-        }
-        // A run that goes on for longer is a picture that moves fast.
-        if count < LEAST_GRAPHIC || peak < GRAPHIC_PEAK || end - start > MOST_GRAPHIC {
-            return None;
-        }
-        let (before, after) = (self.frame(start.checked_sub(1)?)?, self.frame(end)?);
-        let change = before.difference(after);
-        // One frame that brings the whole change is a hard cut in a picture that moves fast.
-        (change >= LEAST_CHANGE && peak < MOST_OF_GRAPHIC * change).then_some(start..end)
-    }
-
     /// The cuts among the frames added so far, in frame order.
     fn cuts(&self) -> Vec<FoundCut> {
         let mut spans = self.fades();
-        spans.extend(self.graphics.iter().cloned());
+        let is_faded = |frames: &Range<usize>| spans.iter().any(|fade| overlap(fade, frames));
+        let graphics = self.graphics.iter().filter(|frames| !is_faded(frames));
+        spans.extend(graphics.cloned().collect::<Vec<_>>());
         let hard: Vec<usize> = (1..self.measured.len())
             .filter(|&frame| self.is_cut(frame))
             .collect();
         // One hard cut within a dissolve or wipe is all that there is: a mixture changes by a
-        // little in each frame. Of those that overlap, the one that is explained best.
+        // little in each frame.
         let is_gradual = |found: &&Gradual| {
             let Range { start, end } = found.frames;
-            hard.iter()
-                .filter(|cut| (start..=end).contains(*cut))
-                .count()
-                != 1
+            let cuts = hard.iter().filter(|cut| (start..=end).contains(*cut));
+            cuts.count() != 1
         };
-        let mut gradual: Vec<&Gradual> = self.gradual.iter().filter(is_gradual).collect();
-        gradual.sort_by(|a, b| {
-            let order = a.doubt.total_cmp(&b.doubt);
-            order.then(a.frames.start.cmp(&b.frames.start))
-        });
-        let mut taken: Vec<Range<usize>> = Vec::new();
-        for found in gradual {
-            if taken.iter().all(|other| !overlap(other, &found.frames)) {
-                taken.push(found.frames.clone());
-            }
+        spans.extend(best_of_each(self.gradual.iter().filter(is_gradual), 1));
+        // Where both pictures explain a transition, its ends are exact; else each picture that was
+        // followed tells its own end, and the other one may change at once, as lit boards do.
+        let explained = spans.clone();
+        for found in &self.vanishing {
+            let is_new = |found: &&Gradual| {
+                let mut explained = explained.iter();
+                explained.all(|span| !overlap(span, &found.frames))
+            };
+            spans.extend(best_of_each(found.iter().filter(is_new), LEAST_VANISHING));
         }
-        spans.extend(taken);
         // Hard cuts close to each other are part of one transition.
         let close = hard.windows(2).filter(|pair| pair[1] - pair[0] <= NO_SHOT);
         spans.extend(close.map(|pair| pair[0]..pair[1]));
@@ -364,6 +343,31 @@ impl CutFinder {
         }
         fades
     }
+}
+
+/// Of the transitions that overlap, the one that is explained best, if there are `least` of them.
+fn best_of_each<'a>(
+    found: impl Iterator<Item = &'a Gradual>,
+    least: usize,
+) -> impl Iterator<Item = Range<usize>> {
+    let mut sorted: Vec<&Gradual> = found.collect();
+    sorted.sort_by(|a, b| {
+        let order = a.doubt.total_cmp(&b.doubt);
+        order.then(a.frames.start.cmp(&b.frames.start))
+    });
+    let mut best: Vec<(Range<usize>, usize)> = Vec::new();
+    for found in sorted {
+        match best
+            .iter_mut()
+            .find(|(frames, _)| overlap(frames, &found.frames))
+        {
+            Some((_, count)) => *count += 1,
+            None => best.push((found.frames.clone(), 1)),
+        }
+    }
+    best.into_iter()
+        .filter(move |(_, count)| *count >= least)
+        .map(|(frames, _)| frames)
 }
 
 fn overlap(one: &Range<usize>, other: &Range<usize>) -> bool {
@@ -550,5 +554,59 @@ mod tests {
         assert_eq!(found([]), []);
         assert_eq!(found((0..20).map(|_| frame(|x, y| colour(0.4, x, y)))), []);
         assert_eq!(found((0..20).map(|_| frame(|_, _| [0.0; 3]))), []);
+    }
+
+    impl Frames for Vec<Miniature> {
+        fn frame(&self, number: usize) -> Option<&Miniature> {
+            self.get(number)
+        }
+
+        fn step(&self, _: usize) -> f32 {
+            0.0
+        }
+    }
+
+    #[test]
+    fn a_picture_that_fades_evenly_is_told_from_one_that_is_left_behind() {
+        // Squares of random grey levels; those of the other picture are large and go by.
+        let speckle = |seed: u64, side: f64, x: f64, y: f64| {
+            let [column, row] = [x, y].map(|at| (at / side).floor() as i64 as u64);
+            let mixed = (column.wrapping_mul(0x9E37_79B9) ^ row.wrapping_mul(0x85EB_CA6B) ^ seed)
+                .wrapping_mul(0x2545_F491_4F6C_DD1D);
+            40.0 + f64::from((mixed >> 56) as u8) * 0.7
+        };
+        let dissolve = (0..90).map(|at| {
+            let at = f64::from(at);
+            let share = ((at - 39.0) / 19.0).clamp(0.0, 1.0);
+            frame(|x, y| {
+                let still = speckle(1, 6.0, x + 0.3 * at, y);
+                let moving = speckle(2, 40.0, x + 4.0 * at, y);
+                [(1.0 - share) * still + share * moving; 3]
+            })
+        });
+        let dissolve: Vec<Miniature> = dissolve.collect();
+        for middle in [44, 49, 54] {
+            let found = find_vanishing(&dissolve, middle, Way::Forwards).unwrap();
+            assert_only(&[found.frames], 40..58, 3);
+        }
+        let pan = (0..90).map(|at| {
+            let turned = 0.06 * f64::from(at * at);
+            frame(|x, y| [speckle(1, 6.0, x + turned, y); 3])
+        });
+        let pan: Vec<Miniature> = pan.collect();
+        let ways = Way::BOTH.map(|way| {
+            (20..70)
+                .filter_map(|at| find_vanishing(&pan, at, way))
+                .count()
+        });
+        assert_eq!(ways, [0, 0]);
+    }
+
+    #[test]
+    fn a_picture_that_moves_fast_for_long_is_no_graphic() {
+        let moved = |at: usize| 7.0 * (at as f64 - 30.0).clamp(0.0, 40.0);
+        let frames =
+            (0..110).map(|at| frame(|x, y| colour(0.4, x + moved(at), y + 0.5 * moved(at))));
+        assert_eq!(found(frames), []);
     }
 }
