@@ -80,8 +80,7 @@ pub struct LabellingArgs {
     /// explain the paint.
     #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
     pub(super) set: Vec<(String, f64)>,
-    /// The camera is found from this many frames at most, spread over all of them; where they show
-    /// too little, once more from twice as many.
+    /// The camera is found from this many frames at most, spread over all of them.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(3..=300))]
     look_at: u32,
     /// Answer only the frames that are looked at. Otherwise a video's other frames are tracked from

@@ -46,8 +46,7 @@ const MIN_NATS_TO_RETRY: f64 = 0.0;
 const MAX_MOVED: usize = 2;
 
 /// Finds a camera of a document from its frames' pictures, with the help of the clicks on landmarks
-/// of the ground that there are. Samples at most `look_at` frames, spread evenly over all of them,
-/// and once more twice as many where these show too little.
+/// of the ground that there are. Samples at most `look_at` frames, spread evenly over all of them.
 /// `picture` may be called for a frame more than once, because not all pictures are kept in memory.
 ///
 /// Two or more clicks, in one frame or in several, determine the poses to begin with. Where these
@@ -75,7 +74,7 @@ pub fn find_camera(
 /// How far a search goes, and where its finished parts are kept.
 #[derive(Clone, Copy)]
 pub(crate) struct SearchExtent<'a> {
-    /// Maximum number of sampled frames, the first time.
+    /// Maximum number of sampled frames.
     pub look_at: usize,
     /// Maximum number of stages.
     pub most_stages: usize,
@@ -164,11 +163,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Returns the answer; abstaining is an answer, not an error.
-    ///
-    /// Where the frames show too little and the camera has more of them, it is tried once more with
-    /// twice as many: a line that is worn, in the shade or behind players in some is seen in
-    /// others.
+    /// Returns the answer by at most so many sampled frames; abstaining is an answer, not an error.
     fn run(
         &self,
         max_sampled: usize,
@@ -177,16 +172,24 @@ impl<'a> Search<'a> {
         if let Some(answer) = self.find_court(picture)? {
             return Ok(answer);
         }
-        let mut sampled = Vec::new();
-        match self.run_with(max_sampled, &mut sampled, picture)? {
-            AutocalibrationAnswer::Abstained { why, .. }
-                if self.of_camera.len() > max_sampled
-                    && why.is_for_want_of_frames(MIN_NATS)
-                    && self.may_go_on() =>
-            {
-                self.run_with(2 * max_sampled, &mut sampled, picture)
+        let matched = self
+            .sample(&self.choose_frames(max_sampled), picture)
+            .and_then(|sampled| MatchedFrames::from_sampled(&sampled, self.parts, self.progress))
+            .map(|matched| self.with_stated_lens(matched));
+        let (answer, matched) = match matched {
+            Ok(matched) => (self.find(&matched, picture), Some(matched)),
+            Err(stop) => (Err(stop), None),
+        };
+        match answer {
+            Ok(answer) => Ok(answer),
+            Err(Stop::Failed(error)) => Err(error),
+            Err(Stop::Abstained(why)) => {
+                let clicks = matched.and_then(|matched| {
+                    let clicks = self.clicks_in_group(&matched);
+                    wanted_clicks(&matched, &clicks, why.best())
+                });
+                Ok(AutocalibrationAnswer::Abstained { why, clicks })
             }
-            answer => Ok(answer),
         }
     }
 
@@ -239,35 +242,6 @@ impl<'a> Search<'a> {
         match document.document.camera(camera) {
             Some(camera) => matched.with_lens(camera.stated_lens(), camera.image_size),
             None => matched,
-        }
-    }
-
-    /// Returns the answer by a number of sampled frames, and adds those to `sampled` that are not
-    /// among them yet. An even spread of twice as many frames includes all of the first.
-    fn run_with(
-        &self,
-        max_sampled: usize,
-        sampled: &mut Vec<SampledFrame>,
-        picture: PictureOfFrame<'_>,
-    ) -> Result<AutocalibrationAnswer, AutocalibrationError> {
-        let matched = self
-            .sample(self.choose_frames(max_sampled), sampled, picture)
-            .and_then(|()| MatchedFrames::from_sampled(sampled, self.parts, self.progress))
-            .map(|matched| self.with_stated_lens(matched));
-        let (answer, matched) = match matched {
-            Ok(matched) => (self.find(&matched, picture), Some(matched)),
-            Err(stop) => (Err(stop), None),
-        };
-        match answer {
-            Ok(answer) => Ok(answer),
-            Err(Stop::Failed(error)) => Err(error),
-            Err(Stop::Abstained(why)) => {
-                let clicks = matched.and_then(|matched| {
-                    let clicks = self.clicks_in_group(&matched);
-                    wanted_clicks(&matched, &clicks, why.best())
-                });
-                Ok(AutocalibrationAnswer::Abstained { why, clicks })
-            }
         }
     }
 
@@ -402,18 +376,15 @@ impl<'a> Search<'a> {
         spread_over_shots_and_clicks(document, &self.of_camera, &clicked, max_sampled)
     }
 
-    /// Samples those of some frames that are not sampled yet and whose picture can be read, a chunk
-    /// at a time.
+    /// Samples those of some frames whose picture can be read, a chunk at a time.
     fn sample(
         &self,
-        mut indices: Vec<usize>,
-        sampled: &mut Vec<SampledFrame>,
+        indices: &[usize],
         picture: PictureOfFrame<'_>,
-    ) -> Result<(), Stop> {
+    ) -> Result<Vec<SampledFrame>, Stop> {
         let document = &self.searched.document;
         let masks_of = |index: usize| document.masks_of(&document.frames[index]);
-        let known: BTreeSet<usize> = sampled.iter().map(|frame| frame.index).collect();
-        indices.retain(|index| !known.contains(index));
+        let mut sampled = Vec::new();
         for (chunk, some) in indices.chunks(MAX_PICTURES_IN_MEMORY).enumerate() {
             let done = chunk * MAX_PICTURES_IN_MEMORY;
             report(
@@ -439,8 +410,7 @@ impl<'a> Search<'a> {
             }
             sampled.extend(frames);
         }
-        sampled.sort_by_key(|frame| frame.index);
-        Ok(())
+        Ok(sampled)
     }
 }
 

@@ -111,29 +111,6 @@ pub enum Doubt {
     NotHeld,
 }
 
-impl Doubt {
-    /// Whether more frames may resolve it: it says that too little was seen, or that parts of the
-    /// frames disagree, not that something contradicts the answer.
-    pub(super) const fn is_for_want_of_frames(&self) -> bool {
-        match self {
-            Self::Unseen { .. }
-            | Self::FewLines { .. }
-            | Self::LinesMissing { .. }
-            | Self::PartsDisagree { .. }
-            | Self::Unconfirmed { .. }
-            | Self::FewSnapped { .. }
-            | Self::SizeOpen { .. }
-            | Self::NotHeld => true,
-            Self::Unexplained { .. }
-            | Self::Leans { .. }
-            | Self::OtherSize { .. }
-            | Self::Rival
-            | Self::UnusualSize { .. }
-            | Self::ClickContradicts { .. } => false,
-        }
-    }
-}
-
 /// Why parts of the frames do not confirm each other.
 fn why_unconfirmed(frames: usize) -> String {
     let seen = format!("{} that show lines", pluralise(frames, "frame"));
@@ -161,30 +138,6 @@ fn extent(name: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::Doubt;
-    use crate::autocalibrate::Abstention;
-    use crate::autocalibrate::rotating_camera::{hypothesis, soccer};
-
-    #[test]
-    fn more_frames_are_tried_where_too_little_was_seen_and_nothing_contradicts() {
-        let few = Doubt::FewSnapped {
-            snapped: 16,
-            frames: 30,
-        };
-        let other_sport = Doubt::Unexplained { share: 0.8 };
-        let mut best = hypothesis(&soccer().assumed).camera;
-        let mut uncertain = |doubts: &[&Doubt], nats| {
-            best.evidence.nats = nats;
-            Abstention::Uncertain {
-                doubts: doubts.iter().copied().cloned().collect(),
-                best: Some(Box::new(best.clone())),
-            }
-        };
-        assert!(uncertain(&[&few], 160.0).is_for_want_of_frames(150.0));
-        assert!(!uncertain(&[&few], 140.0).is_for_want_of_frames(150.0));
-        assert!(!uncertain(&[&few, &other_sport], 160.0).is_for_want_of_frames(150.0));
-        assert!(Abstention::LittlePaint { places: 40 }.is_for_want_of_frames(150.0));
-        assert!(!Abstention::NothingFits.is_for_want_of_frames(150.0));
-    }
 
     fn click(off_px: f64) -> Doubt {
         Doubt::ClickContradicts {

@@ -77,21 +77,6 @@ impl Abstention {
             _ => None,
         }
     }
-
-    /// Whether twice as many frames may lead to an answer, which needs `min_nats` of evidence: too
-    /// little was seen, and nothing that was seen contradicts the best answer. Evidence counts each
-    /// place of the panorama once, however many frames show it, so where it is too low more frames
-    /// of the same views do not raise it.
-    pub(super) fn is_for_want_of_frames(&self, min_nats: f64) -> bool {
-        match self {
-            Self::NotConnected { .. } | Self::LittlePaint { .. } => true,
-            Self::Uncertain { doubts, best } => {
-                let nats = best.as_ref().map_or(0.0, |best| best.evidence.nats);
-                nats >= min_nats && doubts.iter().all(Doubt::is_for_want_of_frames)
-            }
-            Self::NotTurning(_) | Self::NothingFits | Self::NoCourt | Self::LinesRepeat => false,
-        }
-    }
 }
 
 /// Why the frames are no group of one camera.

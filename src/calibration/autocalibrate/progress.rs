@@ -35,8 +35,7 @@ pub enum AutocalibrationProgress {
         /// do.
         links: Vec<([usize; 2], usize)>,
     },
-    /// Persistent paint is collected, once for each kind of places that is searched and each number
-    /// of frames.
+    /// Persistent paint is collected, once for each kind of places that is searched.
     Gathering,
     /// Positions of the camera are searched.
     Trying {

@@ -75,7 +75,7 @@ impl Labelling<'_> {
         // Why the first camera was not found: the answer, unless another one is found.
         let mut why_not_first = None;
         // What one camera costs is a measure for the others: where there is no answer, the search
-        // tries all places with more and more frames.
+        // goes on to all places.
         let mut most_stages = usize::MAX;
         let mut waiting = VecDeque::from([Waiting {
             camera: first.clone(),
