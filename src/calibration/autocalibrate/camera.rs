@@ -7,7 +7,6 @@ use crate::autocalibrate::adjustment::candidates::{
 };
 use crate::autocalibrate::adjustment::evidence::MIN_NATS;
 use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
-use crate::autocalibrate::adjustment::joint::FirstReach;
 use crate::autocalibrate::adjustment::neighbours::try_neighbouring_distances;
 use crate::autocalibrate::adjustment::refine::SearchedCamera;
 use crate::autocalibrate::court::{CourtAnswer, search_court};
@@ -291,9 +290,8 @@ impl<'a> Search<'a> {
     /// Nothing fits if none is added. Of places that are not the usual one, only candidates count
     /// that may be an answer.
     ///
-    /// Without an answer, the joint adjustment may have gone to a wrong minimum. So it begins once
-    /// more with a narrower reach, the best candidates are moved to neighbouring minima where these
-    /// are better, and it is decided again.
+    /// Without an answer, the joint adjustment may have gone to a wrong minimum. So the best
+    /// candidates are moved to neighbouring minima where these are better, and it is decided again.
     fn find_among(
         &self,
         origin: PosesFrom<'_>,
@@ -323,27 +321,18 @@ impl<'a> Search<'a> {
             },
             progress,
         )?;
-        let add = |candidates: &mut Vec<Hypothesis>, reach| -> Result<(), Stop> {
-            let mut added = adjust_panoramas(&placed, reach, prior, matched, progress)?;
-            added.retain(|candidate| num_before == 0 || candidate.nats() >= MIN_NATS);
-            candidates.append(&mut added);
-            sort_best_first(candidates);
-            Ok(())
-        };
-        add(candidates, FirstReach::Wide)?;
-        let answer = if candidates.len() > num_before {
-            decision.decide(candidates.clone())
-        } else {
-            Err(Abstention::NothingFits.into())
-        };
+        let mut added = adjust_panoramas(&placed, prior, matched, progress)?;
+        added.retain(|candidate| num_before == 0 || candidate.nats() >= MIN_NATS);
+        if added.is_empty() {
+            return Err(Abstention::NothingFits.into());
+        }
+        candidates.append(&mut added);
+        sort_best_first(candidates);
+        let answer = decision.decide(candidates.clone());
         let is_hopeful = candidates
             .first()
             .is_some_and(|best| best.nats() >= MIN_NATS_TO_RETRY);
         if !matches!(answer, Err(Stop::Abstained(_))) || !is_hopeful {
-            return answer;
-        }
-        add(candidates, FirstReach::Narrow)?;
-        if candidates.len() == num_before {
             return answer;
         }
         for candidate in candidates.iter_mut().take(MAX_MOVED) {

@@ -2,7 +2,6 @@
 //! matches, and drawn pictures where these are needed.
 
 use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
-use crate::autocalibrate::adjustment::joint::FirstReach;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{
     FramePaint, FramesAtScale, MatchedFrames, PaintPoint, renumber_matches,
@@ -270,6 +269,5 @@ pub fn hypothesis(field: &FieldModel) -> Hypothesis {
         ptz,
         paint_priors,
         frames: frames_at_scale(field),
-        reach: FirstReach::Wide,
     }
 }

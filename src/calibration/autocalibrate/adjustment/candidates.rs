@@ -16,7 +16,7 @@
 //! right from wrong reliably.
 
 use super::hypothesis::Hypothesis;
-use super::joint::{FirstReach, JointStart};
+use super::joint::JointStart;
 use super::neighbours::try_neighbouring_sizes;
 use crate::autocalibrate::error::Stop;
 use crate::autocalibrate::field_prior::FieldPrior;
@@ -124,11 +124,9 @@ pub fn find_panoramas(
     Ok(place_panoramas(found, &fields, field_prior))
 }
 
-/// The hypotheses for the base of the matched frames' camera, best first: steps 2 and 3. The joint
-/// adjustment begins with `reach`.
+/// The hypotheses for the base of the matched frames' camera, best first: steps 2 and 3.
 pub fn adjust_panoramas(
     placed: &PlacedPanoramas,
-    reach: FirstReach,
     field_prior: &FieldPrior,
     matched: &MatchedFrames,
     progress: &Progress<'_, AutocalibrationProgress>,
@@ -152,7 +150,7 @@ pub fn adjust_panoramas(
                 },
             )?;
             let hypothesis =
-                adjust_with_and_without_size(panorama, reach, rotations, field_prior, matched);
+                adjust_with_and_without_size(panorama, rotations, field_prior, matched);
             num_done.fetch_add(1, Ordering::Relaxed);
             Ok(hypothesis)
         })
@@ -228,7 +226,6 @@ fn place_panoramas(
 /// sizes, with its size fitted.
 fn adjust_with_and_without_size(
     panorama: &PlacedPanorama,
-    reach: FirstReach,
     rotations: &RotationsByFocalScale,
     field_prior: &FieldPrior,
     matched: &MatchedFrames,
@@ -256,7 +253,7 @@ fn adjust_with_and_without_size(
     let (as_assumed, resized) = rayon::join(
         || {
             Hypothesis::adjust_repeatedly(
-                &JointStart::from_panorama(&as_assumed?, reach),
+                &JointStart::from_panorama(&as_assumed?),
                 None,
                 frames,
                 matched,
@@ -264,7 +261,7 @@ fn adjust_with_and_without_size(
         },
         || {
             Hypothesis::adjust_repeatedly(
-                &JointStart::from_panorama(&resized?, reach),
+                &JointStart::from_panorama(&resized?),
                 Some(field_prior),
                 frames,
                 matched,
@@ -318,10 +315,9 @@ fn refit_assumed_field(
 }
 
 impl JointStart {
-    fn from_panorama(fit: &PanoramaFit, reach: FirstReach) -> Self {
+    fn from_panorama(fit: &PanoramaFit) -> Self {
         let ptz = fit.rotations.ptz.iter().copied().map(Some).collect();
         Self {
-            reach,
             field: fit.field.clone(),
             base: fit.base(),
             ptz,
@@ -436,7 +432,7 @@ mod tests {
             ControlFlow::Continue(())
         });
         let placed = place_panoramas(found, &prior.search_fields(), &prior);
-        let candidates = adjust_panoramas(&placed, FirstReach::Wide, &prior, &matched, &progress)
+        let candidates = adjust_panoramas(&placed, &prior, &matched, &progress)
             .ok()
             .unwrap();
         let [candidate] = candidates.as_slice() else {
@@ -460,13 +456,7 @@ mod tests {
         let found = poses_beside(&prior.assumed, &[]);
         let progress = Progress::default();
         let placed = place_panoramas(found, &prior.search_fields(), &prior);
-        let none = adjust_panoramas(
-            &placed,
-            FirstReach::Wide,
-            &prior,
-            &matched_views(),
-            &progress,
-        );
+        let none = adjust_panoramas(&placed, &prior, &matched_views(), &progress);
         assert_eq!(none.ok().map(|candidates| candidates.len()), Some(0));
     }
 

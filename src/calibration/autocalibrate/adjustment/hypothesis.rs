@@ -8,7 +8,7 @@
 
 use super::evidence::doubts_of;
 use super::evidence::measure_evidence;
-use super::joint::{FirstReach, FrameObservations, JointStart, adjust_jointly};
+use super::joint::{FrameObservations, JointStart, adjust_jointly};
 use crate::autocalibrate::Doubt;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramesAtScale, MatchedFrames};
@@ -33,8 +33,6 @@ pub struct Hypothesis {
     pub paint_priors: Vec<PosePrior>,
     /// The frames at the focal scale where the search found the pose.
     pub frames: Arc<FramesAtScale>,
-    /// The reach with which the joint adjustment began.
-    pub reach: FirstReach,
 }
 
 impl Hypothesis {
@@ -70,7 +68,6 @@ impl Hypothesis {
             ptz: joint.ptz,
             paint_priors,
             frames: Arc::clone(frames),
-            reach: start.reach,
         })
     }
 
@@ -178,7 +175,6 @@ impl JointStart {
         let ptz = hypothesis.all_ptz(matched)?.into_iter().map(Some).collect();
         let camera = &hypothesis.camera;
         Some(Self {
-            reach: hypothesis.reach,
             field: camera.field.clone(),
             base: camera.base,
             ptz,
@@ -199,37 +195,32 @@ mod tests {
         let (field, matched) = (soccer().assumed, matched_views());
         let mut start_base = base();
         start_base.position_m += Vec3::new(0.3, -0.4, 0.1);
-        let start = |reach| JointStart {
-            reach,
+        let start = JointStart {
             field: field.clone(),
             base: start_base,
             ptz: ptz().into_iter().map(Some).collect(),
         };
-        for reach in [FirstReach::Wide, FirstReach::Narrow] {
-            let found = Hypothesis::adjust(&start(reach), None, &frames_at_scale(&field), &matched)
-                .unwrap();
-            assert_eq!(found.reach, reach);
-            let off_m = (found.position_m() - base().position_m).norm();
-            assert!(off_m < 0.1, "{off_m:.3} m");
-            let indices: Vec<usize> = found
-                .camera
-                .frames
-                .iter()
-                .map(|frame| frame.index)
-                .collect();
-            assert_eq!(indices, matched.indices);
-            assert_eq!(found.paint_priors.len(), ptz().len());
-            assert!(
-                found.camera.evidence.residual_px < 0.5,
-                "{}",
-                found.camera.evidence.residual_px
-            );
-            assert!(
-                found.camera.evidence.explained > 0.95,
-                "{}",
-                found.camera.evidence.explained
-            );
-        }
+        let found = Hypothesis::adjust(&start, None, &frames_at_scale(&field), &matched).unwrap();
+        let off_m = (found.position_m() - base().position_m).norm();
+        assert!(off_m < 0.1, "{off_m:.3} m");
+        let indices: Vec<usize> = found
+            .camera
+            .frames
+            .iter()
+            .map(|frame| frame.index)
+            .collect();
+        assert_eq!(indices, matched.indices);
+        assert_eq!(found.paint_priors.len(), ptz().len());
+        assert!(
+            found.camera.evidence.residual_px < 0.5,
+            "{}",
+            found.camera.evidence.residual_px
+        );
+        assert!(
+            found.camera.evidence.explained > 0.95,
+            "{}",
+            found.camera.evidence.explained
+        );
     }
 
     /// On a field that is taken for 3 m too long, the camera stands still where it is right.
@@ -253,7 +244,6 @@ mod tests {
         let mut bare = Arc::into_inner(frames_at_scale(&field)).unwrap();
         bare.paint.iter_mut().for_each(Vec::clear);
         let start = JointStart {
-            reach: FirstReach::Wide,
             field,
             base: base(),
             ptz: ptz().into_iter().map(Some).collect(),

@@ -114,32 +114,8 @@ fn adjust_to_matches(
     brought
 }
 
-/// How far paint may lie from its line in the first round of a joint adjustment.
-///
-/// A start that is some metres off needs the wide reach. From a good one it does harm: paint of the
-/// far end, where lines lie close together, goes to neighbouring lines, and lens and focal lengths
-/// adapt to it. Drawn clip 7 of the bowl (behind a goal, 360p): from a panorama that explains 91 %
-/// of its paint, 3 m off, the wide reach ends 4.7 m off with a median residual of 1.3 px, and the
-/// narrow one 0.2 m off with 0.4 px.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FirstReach {
-    Wide,
-    Narrow,
-}
-
-impl FirstReach {
-    /// The reach, px at 1920 px width.
-    const fn px(self) -> f64 {
-        match self {
-            Self::Wide => REACH_PX[0],
-            Self::Narrow => REACH_PX[2],
-        }
-    }
-}
-
 /// Where a joint adjustment begins.
 pub struct JointStart {
-    pub reach: FirstReach,
     pub field: FieldModel,
     pub base: CameraBase,
     /// The camera of each frame; frames without one take no part.
@@ -182,8 +158,7 @@ pub fn adjust_jointly(
     };
     // Seen from a low camera the lines lie close together in the picture, and the widest rounds
     // would assign paint to neighbouring lines; skip them. The start is good enough for that.
-    let of_height_px = map.angular_scale(start.base.position_m.z) * REACH_PX[0];
-    let widest_px = of_height_px.min(start.reach.px());
+    let widest_px = map.angular_scale(start.base.position_m.z) * REACH_PX[0];
     for (round, reach_px) in REACH_PX
         .into_iter()
         .enumerate()
@@ -404,7 +379,6 @@ mod tests {
     /// paint lies on lines in the end.
     fn adjusted(paint_of: &FieldModel, field: &FieldModel, base: &CameraBase) -> (Vec3, usize) {
         let start = JointStart {
-            reach: FirstReach::Narrow,
             field: field.clone(),
             base: *base,
             ptz: ptz().into_iter().map(Some).collect(),

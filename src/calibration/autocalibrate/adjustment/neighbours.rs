@@ -17,7 +17,7 @@
 //! lengths that go with it ([`try_neighbouring_distances`]).
 
 use super::hypothesis::{Hypothesis, MIN_GAIN_NATS};
-use super::joint::{FirstReach, JointStart};
+use super::joint::JointStart;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramePaint, MatchedFrames};
 use rayon::prelude::*;
@@ -43,12 +43,7 @@ pub fn try_neighbouring_sizes(
             .into_par_iter()
             .filter_map(|field| {
                 let (base, ptz) = (hypothesis.camera.base, hypothesis.ptz.clone());
-                let start = JointStart {
-                    reach: hypothesis.reach,
-                    field,
-                    base,
-                    ptz,
-                };
+                let start = JointStart { field, base, ptz };
                 Hypothesis::adjust(&start, Some(field_prior), &hypothesis.frames, matched)
             })
             .collect();
@@ -98,7 +93,6 @@ fn from_other_distance(present: &JointStart, middle_m: Vec3, factor: f64) -> Joi
         ptz.focal_px *= factor;
     }
     JointStart {
-        reach: FirstReach::Wide,
         field: present.field.clone(),
         base,
         ptz,

@@ -196,7 +196,6 @@ fn with_base(
         },
         ptz,
         frames: hypothesis.frames.clone(),
-        reach: hypothesis.reach,
     }
 }
 
