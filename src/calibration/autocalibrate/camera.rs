@@ -7,7 +7,6 @@ use crate::autocalibrate::adjustment::candidates::{
 };
 use crate::autocalibrate::adjustment::evidence::MIN_NATS;
 use crate::autocalibrate::adjustment::hypothesis::Hypothesis;
-use crate::autocalibrate::adjustment::neighbours::try_neighbouring_distances;
 use crate::autocalibrate::adjustment::refine::SearchedCamera;
 use crate::autocalibrate::court::{CourtAnswer, search_court};
 use crate::autocalibrate::error::Stop;
@@ -36,13 +35,6 @@ use touchline_vision::features::Features;
 
 /// Fewer clicks on landmarks of the ground determine no pose.
 const MIN_CLICKS: usize = 2;
-
-/// Without an answer, it is tried again if this much speaks for the best candidate, nats: more for
-/// it than against it.
-const MIN_NATS_TO_RETRY: f64 = 0.0;
-
-/// Maximum number of candidates that are moved to a neighbouring minimum.
-const MAX_MOVED: usize = 2;
 
 /// Finds a camera of a document from its frames' pictures, with the help of the clicks on landmarks
 /// of the ground that there are. Samples at most `look_at` frames, spread evenly over all of them.
@@ -289,9 +281,6 @@ impl<'a> Search<'a> {
     /// Adds the candidates from `origin` to those that there are, and decides between all of them.
     /// Nothing fits if none is added. Of places that are not the usual one, only candidates count
     /// that may be an answer.
-    ///
-    /// Without an answer, the joint adjustment may have gone to a wrong minimum. So the best
-    /// candidates are moved to neighbouring minima where these are better, and it is decided again.
     fn find_among(
         &self,
         origin: PosesFrom<'_>,
@@ -327,20 +316,6 @@ impl<'a> Search<'a> {
             return Err(Abstention::NothingFits.into());
         }
         candidates.append(&mut added);
-        sort_best_first(candidates);
-        let answer = decision.decide(candidates.clone());
-        let is_hopeful = candidates
-            .first()
-            .is_some_and(|best| best.nats() >= MIN_NATS_TO_RETRY);
-        if !matches!(answer, Err(Stop::Abstained(_))) || !is_hopeful {
-            return answer;
-        }
-        for candidate in candidates.iter_mut().take(MAX_MOVED) {
-            report(progress, AutocalibrationProgress::Refining)?;
-            if let Some(moved) = try_neighbouring_distances(candidate, prior, matched) {
-                *candidate = moved;
-            }
-        }
         sort_best_first(candidates);
         decision.decide(candidates.clone())
     }

@@ -33,9 +33,7 @@
 //! | 9. Verdict; lines too faint for any single picture are looked for in the mean of all, and clicks that played no part confirm | `verdict/`: `decision.rs`, `checks.rs`, `faint_lines.rs`, `deciding_landmark.rs` | a runner-up that explains nearly as much; poor pictures |
 //!
 //! `camera.rs` runs the stages in this order. From stage 6 on a candidate is one `Hypothesis`,
-//! which each stage refines. If no answer is certain, stage 6 is repeated from nearer and farther away
-//! (`neighbours.rs`), and the later stages follow again: the adjustment has minima beside the right
-//! one.
+//! which each stage refines.
 //!
 //! `field_prior.rs` says which field sizes are tried, `pitch_map.rs` (on `painted_curves.rs`) which
 //! line a camera sees nearest to a point, and `rotations_by_focal_scale.rs` interpolates stage 2
