@@ -38,7 +38,7 @@ const MOST_OFF_EITHER: f32 = 0.2;
 /// pictures.
 const MOST_INCOHERENT: f32 = 0.55;
 /// Maximum share of the change that one frame may bring; a hard cut brings all of it.
-const MOST_OF_CHANGE: f32 = 0.5;
+pub const MOST_OF_CHANGE: f32 = 0.5;
 /// Maximum doubt of a transition beside which a camera may turn or zoom fast.
 const EXACT: f32 = 0.35;
 /// Distance of the pictures to which the second ramp is fitted from the first ramp, frames.

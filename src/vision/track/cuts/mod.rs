@@ -252,7 +252,7 @@ impl CutFinder {
         };
         spans.extend(best_of_each(self.gradual.iter().filter(is_gradual), 1));
         // Where both pictures explain a transition, its ends are exact; else each picture that was
-        // followed tells its own end, and the other one may change at once, as lit boards do.
+        // followed tells its own end.
         let explained = spans.clone();
         for found in &self.vanishing {
             let is_new = |found: &&Gradual| {

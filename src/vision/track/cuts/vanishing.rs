@@ -17,7 +17,7 @@
 //! and after agree as far as they overlap.
 
 use super::detail::{Left, Shift};
-use super::gradual::{Frames, Gradual, LEAST_CHANGE, Ramp, fit_ramp};
+use super::gradual::{Frames, Gradual, LEAST_CHANGE, MOST_OF_CHANGE, Ramp, fit_ramp};
 use std::ops::Range;
 
 /// Distances of the reference from the middle, frames.
@@ -217,13 +217,16 @@ impl Vanishing {
             Shift::default(),
             self.length,
         )?;
-        let is_found = 2 * own.mixed.len() > self.length
-            && own.mixed.last().is_some_and(|left| *left >= LEAST_OWN)
-            && whole.difference_over_zoom(without) >= LEAST_CHANGE;
+        let change = whole.difference_over_zoom(without);
         let (last, first) = match self.way {
             Way::Forwards => (self.last_whole, first_without),
             Way::Backwards => (first_without, self.last_whole),
         };
+        let is_abrupt = |at: usize| frames.step(at) > MOST_OF_CHANGE * change;
+        let is_found = 2 * own.mixed.len() > self.length
+            && own.mixed.last().is_some_and(|left| *left >= LEAST_OWN)
+            && change >= LEAST_CHANGE
+            && !(last + 1..=first).any(is_abrupt);
         is_found.then_some(Gradual {
             frames: last + 1..first,
             doubt: self.misfit,
