@@ -1,8 +1,11 @@
 //! The detail of a miniature, and how a camera moves it.
 
-use super::miniature::{HEIGHT, WIDTH};
 use nalgebra::{Matrix4, Vector4};
 
+/// Columns of a miniature.
+pub const WIDTH: usize = 64;
+/// Rows of a miniature.
+pub const HEIGHT: usize = 36;
 /// Half the side of the squares whose mean is a cell's value, and whose mean is no detail, cells.
 const SMOOTHED: usize = 1;
 const AROUND: usize = 4;
@@ -68,18 +71,19 @@ fn cells() -> impl Iterator<Item = (usize, usize)> {
 
 /// The mean of each cell and those at most `reach` columns and rows beside it.
 fn mean_around(cells: &[f32], reach: usize) -> Vec<f32> {
-    let near = |at: usize, side: usize| at.saturating_sub(reach)..(at + reach + 1).min(side);
-    let along = |count: usize, at: &dyn Fn(usize) -> f32, side: usize| -> f32 {
-        let near = near(count, side);
-        let length = near.len() as f32;
-        near.map(at).sum::<f32>() / length
-    };
     let rows: Vec<f32> = self::cells()
-        .map(|(column, row)| along(column, &|column| cells[row * WIDTH + column], WIDTH))
+        .map(|(column, row)| mean_near(column, WIDTH, reach, |column| cells[row * WIDTH + column]))
         .collect();
     self::cells()
-        .map(|(column, row)| along(row, &|row| rows[row * WIDTH + column], HEIGHT))
+        .map(|(column, row)| mean_near(row, HEIGHT, reach, |row| rows[row * WIDTH + column]))
         .collect()
+}
+
+/// The mean of the values at a place of a side and at most `reach` places beside it.
+fn mean_near(at: usize, side: usize, reach: usize, value: impl Fn(usize) -> f32) -> f32 {
+    let near = at.saturating_sub(reach)..(at + reach + 1).min(side);
+    let count = near.len() as f32;
+    near.map(value).sum::<f32>() / count
 }
 
 fn from_middle(column: usize, row: usize) -> [f32; 2] {
@@ -174,7 +178,7 @@ impl Detail {
 
     /// What is left of this detail in `other` under a shift, in each block that has detail and is
     /// still seen.
-    pub fn left(&self, other: &Self, shift: Shift) -> Vec<Left> {
+    pub fn compare(&self, other: &Self, shift: Shift) -> Vec<Left> {
         let mut blocks = vec![[0.0_f32; 3]; BLOCKS[0] * BLOCKS[1]];
         for (column, row) in cells() {
             let block = &mut blocks[row / BLOCK[1] * BLOCKS[0] + column / BLOCK[0]];

@@ -1,15 +1,11 @@
 //! A frame reduced to a size at which only large structures remain; shot boundaries are detected on
 //! it.
 
-use super::detail::Detail;
+use super::detail::{Detail, HEIGHT, WIDTH};
 use crate::media::Picture;
 use std::cell::OnceCell;
 use std::ops::Range;
 
-/// Columns of a miniature.
-pub const WIDTH: usize = 64;
-/// Rows of a miniature.
-pub const HEIGHT: usize = 36;
 /// Pixels sampled per side of a cell; their mean is the value of the cell.
 const SAMPLES: usize = 6;
 /// Largest shift tried, in columns and rows of a miniature of half the size.

@@ -8,8 +8,8 @@
 //! | transition | is found by |
 //! |---|---|
 //! | fade over black or white | a run of nearly empty frames, with the frames in which the contrast falls and rises |
-//! | dissolve, wipe | `gradual.rs`: mixtures or parts of the two pictures; `vanishing.rs`: what is left of one of them |
-//! | wipe with a graphic | `graphic.rs`: a run of frames that each differ from the one before as in a cut |
+//! | dissolve, wipe | `gradual.rs`: mixtures or parts of both pictures; `vanishing.rs`: of one |
+//! | wipe with a graphic | `graphic.rs`: a run of frames that each change as in a cut |
 //!
 //! Frames are reduced to miniatures as they come, and only the last few of these are kept, so that
 //! a whole match can be searched in one pass.
@@ -237,9 +237,13 @@ impl CutFinder {
     /// The cuts among the frames added so far, in frame order.
     fn cuts(&self) -> Vec<FoundCut> {
         let mut spans = self.fades();
-        let is_faded = |frames: &Range<usize>| spans.iter().any(|fade| overlap(fade, frames));
-        let graphics = self.graphics.iter().filter(|frames| !is_faded(frames));
-        spans.extend(graphics.cloned().collect::<Vec<_>>());
+        // What darkens in a fade also changes as in a wipe.
+        let graphics = self.graphics.iter();
+        let apart: Vec<_> = graphics
+            .filter(|frames| is_apart(&spans, frames))
+            .cloned()
+            .collect();
+        spans.extend(apart);
         let hard: Vec<usize> = (1..self.measured.len())
             .filter(|&frame| self.is_cut(frame))
             .collect();
@@ -253,25 +257,18 @@ impl CutFinder {
         spans.extend(best_of_each(self.gradual.iter().filter(is_gradual), 1));
         // Where both pictures explain a transition, its ends are exact; else each picture that was
         // followed tells its own end.
-        let explained = spans.clone();
-        for found in &self.vanishing {
-            let is_new = |found: &&Gradual| {
-                let mut explained = explained.iter();
-                explained.all(|span| !overlap(span, &found.frames))
-            };
-            spans.extend(best_of_each(found.iter().filter(is_new), LEAST_VANISHING));
-        }
+        let of_one = self.vanishing.each_ref().map(|found| {
+            let new = found.iter().filter(|found| is_apart(&spans, &found.frames));
+            best_of_each(new, LEAST_VANISHING)
+        });
+        spans.extend(of_one.into_iter().flatten());
         // Hard cuts close to each other are part of one transition.
         let close = hard.windows(2).filter(|pair| pair[1] - pair[0] <= NO_SHOT);
         spans.extend(close.map(|pair| pair[0]..pair[1]));
         let spans = merge(spans);
-        let is_hard = |frame: &usize| {
-            let beside = frame.saturating_sub(1)..frame + 1;
-            spans.iter().all(|span| !overlap(span, &beside))
-        };
         let mut cuts: Vec<FoundCut> = hard
             .into_iter()
-            .filter(is_hard)
+            .filter(|frame| is_apart(&spans, &(frame.saturating_sub(1)..frame + 1)))
             .map(|frame| FoundCut {
                 frame,
                 transition: frame..frame,
@@ -346,10 +343,7 @@ impl CutFinder {
 }
 
 /// Of the transitions that overlap, the one that is explained best, if there are `least` of them.
-fn best_of_each<'a>(
-    found: impl Iterator<Item = &'a Gradual>,
-    least: usize,
-) -> impl Iterator<Item = Range<usize>> {
+fn best_of_each<'a>(found: impl Iterator<Item = &'a Gradual>, least: usize) -> Vec<Range<usize>> {
     let mut sorted: Vec<&Gradual> = found.collect();
     sorted.sort_by(|a, b| {
         let order = a.doubt.total_cmp(&b.doubt);
@@ -366,8 +360,14 @@ fn best_of_each<'a>(
         }
     }
     best.into_iter()
-        .filter(move |(_, count)| *count >= least)
+        .filter(|(_, count)| *count >= least)
         .map(|(frames, _)| frames)
+        .collect()
+}
+
+/// Whether frames lie in none of some spans.
+fn is_apart(spans: &[Range<usize>], frames: &Range<usize>) -> bool {
+    spans.iter().all(|span| !overlap(span, frames))
 }
 
 fn overlap(one: &Range<usize>, other: &Range<usize>) -> bool {

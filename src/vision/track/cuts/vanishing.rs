@@ -50,8 +50,8 @@ const MOST_FITS: usize = 3;
 const ASIDE: usize = 2;
 /// Maximum share of the detail that one frame may take.
 const MOST_AT_ONCE: f32 = 0.4;
-/// Minimum share of the detail that is left as many frames away on its own side. A camera that turns
-/// away loses as much there.
+/// Minimum share of the detail that is left as many frames away on its own side. A camera that
+/// turns away loses as much there.
 const LEAST_OWN: f32 = 0.6;
 
 /// The way in time from the picture that is followed.
@@ -136,12 +136,12 @@ impl Course {
             };
             let predicted = course.shift.plus(speed);
             let measured = followed.align(frame.detail(), predicted);
-            let by_measure = followed.left(frame.detail(), measured);
+            let by_measure = followed.compare(frame.detail(), measured);
             // Once it is nearly gone, it would be found in any picture by chance.
             is_lost |= mean_share(&by_measure).is_none_or(|share| share <= FOLLOWED);
             let left = if is_lost {
                 course.shift = predicted;
-                followed.left(frame.detail(), predicted)
+                followed.compare(frame.detail(), predicted)
             } else {
                 let moved = measured.plus(course.shift.times(-1.0));
                 speed = speed.times(0.6).plus(moved.times(0.4));
