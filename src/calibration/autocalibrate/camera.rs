@@ -300,17 +300,12 @@ impl<'a> Search<'a> {
             progress,
         };
         let num_before = candidates.len();
-        let placed = find_panoramas(
-            matched,
-            origin,
-            prior,
-            PartsOfStage {
-                parts: self.parts,
-                stage: self.stages.get(),
-            },
-            progress,
-        )?;
-        let mut added = adjust_panoramas(&placed, prior, matched, progress)?;
+        let parts = PartsOfStage {
+            parts: self.parts,
+            stage: self.stages.get(),
+        };
+        let placed = find_panoramas(matched, origin, prior, parts, progress)?;
+        let mut added = adjust_panoramas(&placed, prior, matched, parts, progress)?;
         added.retain(|candidate| num_before == 0 || candidate.nats() >= MIN_NATS);
         if added.is_empty() {
             return Err(Abstention::NothingFits.into());

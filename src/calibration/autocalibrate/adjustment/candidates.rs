@@ -15,7 +15,7 @@
 //! Hypotheses are ranked by their evidence after step 2: the score of the search does not separate
 //! right from wrong reliably.
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, KeptHypothesis};
 use super::joint::JointStart;
 use super::neighbours::try_neighbouring_sizes;
 use crate::autocalibrate::error::Stop;
@@ -33,6 +33,7 @@ use crate::autocalibrate::search::places::{SearchPlaces, relative_size};
 use crate::autocalibrate::search::pose_score::ScoredPose;
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::field::{FieldModel, Symmetry};
 use touchline_core::geometry::Vec3;
@@ -104,6 +105,15 @@ pub struct PlacedPanoramas {
     rotations: RotationsByFocalScale,
 }
 
+impl PlacedPanoramas {
+    /// A kept hypothesis with the frames of the panorama that it came from.
+    fn with_frames(&self, kept: KeptHypothesis) -> Option<Hypothesis> {
+        let mut frames = self.panoramas.iter().map(|panorama| &panorama.pose.frames);
+        let frames = frames.find(|frames| frames.log_scale == kept.log_scale)?;
+        Some(kept.into_hypothesis(Arc::clone(frames)))
+    }
+}
+
 /// Finds the poses of `origin` and fits the panorama at each of them (step 1).
 pub fn find_panoramas(
     matched: &MatchedFrames,
@@ -129,6 +139,7 @@ pub fn adjust_panoramas(
     placed: &PlacedPanoramas,
     field_prior: &FieldPrior,
     matched: &MatchedFrames,
+    parts: PartsOfStage<'_>,
     progress: &Progress<'_, AutocalibrationProgress>,
 ) -> Result<Vec<Hypothesis>, Stop> {
     let PlacedPanoramas {
@@ -138,26 +149,33 @@ pub fn adjust_panoramas(
 
     // Step 2 for all panoramas in parallel. The counter is for progress only.
     let num_done = AtomicUsize::new(0);
-    let adjusted: Result<Vec<Option<Hypothesis>>, AutocalibrationError> = panoramas
-        .par_iter()
-        .map(|panorama| {
-            let done = num_done.load(Ordering::Relaxed);
-            report(
-                progress,
-                AutocalibrationProgress::Adjusting {
-                    done,
-                    of: panoramas.len(),
-                },
-            )?;
-            let hypothesis =
-                adjust_with_and_without_size(panorama, rotations, field_prior, matched);
-            num_done.fetch_add(1, Ordering::Relaxed);
-            Ok(hypothesis)
-        })
-        .collect();
+    let adjusted: Vec<KeptHypothesis> = parts.part("adjusted", || {
+        let adjusted: Result<Vec<Option<Hypothesis>>, AutocalibrationError> = panoramas
+            .par_iter()
+            .map(|panorama| {
+                let done = num_done.load(Ordering::Relaxed);
+                report(
+                    progress,
+                    AutocalibrationProgress::Adjusting {
+                        done,
+                        of: panoramas.len(),
+                    },
+                )?;
+                let hypothesis =
+                    adjust_with_and_without_size(panorama, rotations, field_prior, matched);
+                num_done.fetch_add(1, Ordering::Relaxed);
+                Ok(hypothesis)
+            })
+            .collect();
+        let adjusted = adjusted?.into_iter().flatten();
+        Ok::<_, Stop>(adjusted.map(KeptHypothesis::from).collect())
+    })?;
     // Rayon keeps the order of the panoramas and the sort is stable: equal scores come out the same
     // every time.
-    let mut hypotheses: Vec<Hypothesis> = adjusted?.into_iter().flatten().collect();
+    let adjusted = adjusted.into_iter();
+    let mut hypotheses: Vec<Hypothesis> = adjusted
+        .filter_map(|kept| placed.with_frames(kept))
+        .collect();
     sort_best_first(&mut hypotheses);
 
     // Step 3, in place, and the order once more.
@@ -165,8 +183,15 @@ pub fn adjust_panoramas(
         let of = hypotheses.len().min(MAX_RESIZED);
         for (done, hypothesis) in hypotheses.iter_mut().take(of).enumerate() {
             report(progress, AutocalibrationProgress::Sizing { done, of })?;
-            hypothesis.settle(field_prior, matched);
-            try_neighbouring_sizes(hypothesis, field_prior, matched);
+            let sized = parts.part(&format!("sized-{done}"), || {
+                let mut sized = hypothesis.clone();
+                sized.settle(field_prior, matched);
+                try_neighbouring_sizes(&mut sized, field_prior, matched);
+                Ok::<_, Stop>(KeptHypothesis::from(sized))
+            })?;
+            if let Some(sized) = placed.with_frames(sized) {
+                *hypothesis = sized;
+            }
         }
         sort_best_first(&mut hypotheses);
     }
@@ -432,7 +457,7 @@ mod tests {
             ControlFlow::Continue(())
         });
         let placed = place_panoramas(found, &prior.search_fields(), &prior);
-        let candidates = adjust_panoramas(&placed, &prior, &matched, &progress)
+        let candidates = adjust_panoramas(&placed, &prior, &matched, NOTHING_KEPT, &progress)
             .ok()
             .unwrap();
         let [candidate] = candidates.as_slice() else {
@@ -456,7 +481,7 @@ mod tests {
         let found = poses_beside(&prior.assumed, &[]);
         let progress = Progress::default();
         let placed = place_panoramas(found, &prior.search_fields(), &prior);
-        let none = adjust_panoramas(&placed, &prior, &matched_views(), &progress);
+        let none = adjust_panoramas(&placed, &prior, &matched_views(), NOTHING_KEPT, &progress);
         assert_eq!(none.ok().map(|candidates| candidates.len()), Some(0));
     }
 

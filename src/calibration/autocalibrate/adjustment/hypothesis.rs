@@ -12,6 +12,7 @@ use super::joint::{FrameObservations, JointStart, adjust_jointly};
 use crate::autocalibrate::Doubt;
 use crate::autocalibrate::field_prior::FieldPrior;
 use crate::autocalibrate::frames::matched_frames::{FramesAtScale, MatchedFrames};
+use crate::calibrate::kept::kept;
 use crate::calibrate::{AutocalibratedCamera, AutocalibratedFrame};
 use std::sync::Arc;
 use touchline_core::camera::Ptz;
@@ -33,6 +34,41 @@ pub struct Hypothesis {
     pub paint_priors: Vec<PosePrior>,
     /// The frames at the focal scale where the search found the pose.
     pub frames: Arc<FramesAtScale>,
+}
+
+/// A hypothesis as it is kept: its frames are those of the search at this focal scale.
+pub struct KeptHypothesis {
+    pub log_scale: f64,
+    camera: AutocalibratedCamera,
+    ptz: Vec<Option<Ptz>>,
+    paint_priors: Vec<PosePrior>,
+}
+
+kept! {
+    KeptHypothesis { log_scale, camera, ptz, paint_priors }
+}
+
+impl From<Hypothesis> for KeptHypothesis {
+    fn from(hypothesis: Hypothesis) -> Self {
+        Self {
+            log_scale: hypothesis.frames.log_scale,
+            camera: hypothesis.camera,
+            ptz: hypothesis.ptz,
+            paint_priors: hypothesis.paint_priors,
+        }
+    }
+}
+
+impl KeptHypothesis {
+    /// The hypothesis with its frames.
+    pub fn into_hypothesis(self, frames: Arc<FramesAtScale>) -> Hypothesis {
+        Hypothesis {
+            camera: self.camera,
+            ptz: self.ptz,
+            paint_priors: self.paint_priors,
+            frames,
+        }
+    }
 }
 
 impl Hypothesis {

@@ -17,7 +17,7 @@ use crate::autocalibrate::frames::panorama::Panorama;
 use crate::autocalibrate::frames::rotations_by_focal_scale::RotationsByFocalScale;
 use crate::autocalibrate::progress::report;
 use crate::autocalibrate::{Abstention, AutocalibrationProgress, SearchedPanorama};
-use crate::calibrate::kept::KeepParts;
+use crate::calibrate::kept::{KeepParts, Kept};
 use rayon::prelude::*;
 use std::convert::Infallible;
 use std::ops::RangeInclusive;
@@ -64,6 +64,15 @@ pub struct PartsOfStage<'a> {
 }
 
 impl PartsOfStage<'_> {
+    /// A part of the stage that was kept; else it is made, and kept.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn part<T: Kept, E>(self, name: &str, make: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        let name = format!("{name}-{}", self.stage);
+        self.parts.part(&name, make, || true)
+    }
+
     /// The poses at a focal scale that were kept; else they are searched, and kept.
     fn poses_at(self, percent: u32, search: impl FnOnce() -> Vec<ScoredPose>) -> Vec<ScoredPose> {
         let name = format!("poses-{}-{percent}", self.stage);

@@ -65,8 +65,9 @@ impl Miniature {
     /// The detail of the picture; computed once.
     pub fn detail(&self) -> &Detail {
         self.detail.get_or_init(|| {
-            let mean = |cell: &[f32; 3]| cell.iter().sum::<f32>() / 3.0;
-            Detail::new(&self.cells.iter().map(mean).collect::<Vec<f32>>())
+            let cells = self.cells.iter();
+            let luminance = cells.map(|cell| cell.iter().sum::<f32>() / 3.0);
+            Detail::new(&luminance.collect::<Vec<f32>>())
         })
     }
 

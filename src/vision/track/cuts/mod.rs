@@ -249,12 +249,12 @@ impl CutFinder {
             .collect();
         // One hard cut within a dissolve or wipe is all that there is: a mixture changes by a
         // little in each frame.
-        let is_gradual = |found: &&Gradual| {
+        let gradual = self.gradual.iter().filter(|found| {
             let Range { start, end } = found.frames;
             let cuts = hard.iter().filter(|cut| (start..=end).contains(*cut));
             cuts.count() != 1
-        };
-        spans.extend(best_of_each(self.gradual.iter().filter(is_gradual), 1));
+        });
+        spans.extend(best_of_each(gradual, 1));
         // Where both pictures explain a transition, its ends are exact; else each picture that was
         // followed tells its own end.
         let of_one = self.vanishing.each_ref().map(|found| {

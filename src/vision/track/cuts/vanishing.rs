@@ -222,11 +222,10 @@ impl Vanishing {
             Way::Forwards => (self.last_whole, first_without),
             Way::Backwards => (first_without, self.last_whole),
         };
-        let is_abrupt = |at: usize| frames.step(at) > MOST_OF_CHANGE * change;
         let is_found = 2 * own.mixed.len() > self.length
             && own.mixed.last().is_some_and(|left| *left >= LEAST_OWN)
             && change >= LEAST_CHANGE
-            && !(last + 1..=first).any(is_abrupt);
+            && (last + 1..=first).all(|at| frames.step(at) <= MOST_OF_CHANGE * change);
         is_found.then_some(Gradual {
             frames: last + 1..first,
             doubt: self.misfit,
