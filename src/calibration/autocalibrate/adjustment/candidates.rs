@@ -33,7 +33,6 @@ use crate::autocalibrate::search::places::{SearchPlaces, relative_size};
 use crate::autocalibrate::search::pose_score::ScoredPose;
 use crate::autocalibrate::{AutocalibrationError, AutocalibrationProgress};
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline_core::field::{FieldModel, Symmetry};
 use touchline_core::geometry::Vec3;
@@ -105,15 +104,6 @@ pub struct PlacedPanoramas {
     rotations: RotationsByFocalScale,
 }
 
-impl PlacedPanoramas {
-    /// A kept hypothesis with the frames of the panorama that it came from.
-    fn with_frames(&self, kept: KeptHypothesis) -> Option<Hypothesis> {
-        let mut frames = self.panoramas.iter().map(|panorama| &panorama.pose.frames);
-        let frames = frames.find(|frames| frames.log_scale == kept.log_scale)?;
-        Some(kept.into_hypothesis(Arc::clone(frames)))
-    }
-}
-
 /// Finds the poses of `origin` and fits the panorama at each of them (step 1).
 pub fn find_panoramas(
     matched: &MatchedFrames,
@@ -149,8 +139,8 @@ pub fn adjust_panoramas(
 
     // Step 2 for all panoramas in parallel. The counter is for progress only.
     let num_done = AtomicUsize::new(0);
-    let adjusted: Vec<KeptHypothesis> = parts.part("adjusted", || {
-        let adjusted: Result<Vec<Option<Hypothesis>>, AutocalibrationError> = panoramas
+    let adjusted: Vec<Option<KeptHypothesis>> = parts.part("adjusted", || {
+        let adjusted: Result<Vec<_>, AutocalibrationError> = panoramas
             .par_iter()
             .map(|panorama| {
                 let done = num_done.load(Ordering::Relaxed);
@@ -164,17 +154,16 @@ pub fn adjust_panoramas(
                 let hypothesis =
                     adjust_with_and_without_size(panorama, rotations, field_prior, matched);
                 num_done.fetch_add(1, Ordering::Relaxed);
-                Ok(hypothesis)
+                Ok(hypothesis.map(KeptHypothesis::from))
             })
             .collect();
-        let adjusted = adjusted?.into_iter().flatten();
-        Ok::<_, Stop>(adjusted.map(KeptHypothesis::from).collect())
+        Ok::<_, Stop>(adjusted?)
     })?;
     // Rayon keeps the order of the panoramas and the sort is stable: equal scores come out the same
     // every time.
-    let adjusted = adjusted.into_iter();
-    let mut hypotheses: Vec<Hypothesis> = adjusted
-        .filter_map(|kept| placed.with_frames(kept))
+    let with_panoramas = adjusted.into_iter().zip(panoramas);
+    let mut hypotheses: Vec<Hypothesis> = with_panoramas
+        .filter_map(|(kept, panorama)| Some(kept?.into_hypothesis(&panorama.pose.frames)))
         .collect();
     sort_best_first(&mut hypotheses);
 
@@ -189,9 +178,7 @@ pub fn adjust_panoramas(
                 try_neighbouring_sizes(&mut sized, field_prior, matched);
                 Ok::<_, Stop>(KeptHypothesis::from(sized))
             })?;
-            if let Some(sized) = placed.with_frames(sized) {
-                *hypothesis = sized;
-            }
+            *hypothesis = sized.into_hypothesis(&hypothesis.frames);
         }
         sort_best_first(&mut hypotheses);
     }
@@ -397,7 +384,7 @@ mod tests {
         matched_views_with_pixels, ptz, soccer,
     };
     use crate::autocalibrate::search::pose::PanoramaPose;
-    use crate::calibrate::kept::NothingKept;
+    use crate::calibrate::kept::{KeptInMemory, NothingKept};
     use std::ops::ControlFlow;
     use std::path::Path;
     use std::sync::{Arc, Mutex};
@@ -473,6 +460,29 @@ mod tests {
             [adjusting],
             "no other size is tried where it is known"
         );
+    }
+
+    #[test]
+    fn candidates_of_a_killed_search_are_taken_up() {
+        let prior = soccer();
+        let matched = matched_views_with_pixels(&prior.assumed, &ALL_VIEWS);
+        let found = poses_beside(&prior.assumed, &[(Vec3::new(0.6, -0.8, 0.3), 0.8)]);
+        let placed = place_panoramas(found, &prior.search_fields(), &prior);
+        let kept = KeptInMemory::default();
+        let parts = PartsOfStage {
+            parts: &kept,
+            stage: 1,
+        };
+        let [whole, taken_up] = [(), ()].map(|()| {
+            let progress = Progress::default();
+            let candidates = adjust_panoramas(&placed, &prior, &matched, parts, &progress);
+            let [candidate] = candidates.ok().unwrap().try_into().ok().unwrap();
+            candidate
+        });
+        assert_eq!(*kept.recalled.borrow(), ["adjusted-1", "sized-0-1"]);
+        assert_eq!(taken_up.camera, whole.camera);
+        assert_eq!(taken_up.ptz, whole.ptz);
+        assert_eq!(taken_up.paint_priors, whole.paint_priors);
     }
 
     #[test]

@@ -36,22 +36,20 @@ pub struct Hypothesis {
     pub frames: Arc<FramesAtScale>,
 }
 
-/// A hypothesis as it is kept: its frames are those of the search at this focal scale.
+/// A hypothesis as it is kept, without its frames.
 pub struct KeptHypothesis {
-    pub log_scale: f64,
     camera: AutocalibratedCamera,
     ptz: Vec<Option<Ptz>>,
     paint_priors: Vec<PosePrior>,
 }
 
 kept! {
-    KeptHypothesis { log_scale, camera, ptz, paint_priors }
+    KeptHypothesis { camera, ptz, paint_priors }
 }
 
 impl From<Hypothesis> for KeptHypothesis {
     fn from(hypothesis: Hypothesis) -> Self {
         Self {
-            log_scale: hypothesis.frames.log_scale,
             camera: hypothesis.camera,
             ptz: hypothesis.ptz,
             paint_priors: hypothesis.paint_priors,
@@ -61,12 +59,12 @@ impl From<Hypothesis> for KeptHypothesis {
 
 impl KeptHypothesis {
     /// The hypothesis with its frames.
-    pub fn into_hypothesis(self, frames: Arc<FramesAtScale>) -> Hypothesis {
+    pub fn into_hypothesis(self, frames: &Arc<FramesAtScale>) -> Hypothesis {
         Hypothesis {
             camera: self.camera,
             ptz: self.ptz,
             paint_priors: self.paint_priors,
-            frames,
+            frames: Arc::clone(frames),
         }
     }
 }

@@ -75,10 +75,8 @@ impl PartsOfStage<'_> {
 
     /// The poses at a focal scale that were kept; else they are searched, and kept.
     fn poses_at(self, percent: u32, search: impl FnOnce() -> Vec<ScoredPose>) -> Vec<ScoredPose> {
-        let name = format!("poses-{}-{percent}", self.stage);
-        let Ok(poses) = self
-            .parts
-            .part(&name, || Ok::<_, Infallible>(search()), || true);
+        let name = format!("poses-{percent}");
+        let Ok(poses) = self.part(&name, || Ok::<_, Infallible>(search()));
         poses
     }
 }

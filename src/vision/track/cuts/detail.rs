@@ -53,14 +53,14 @@ impl Shift {
         Self([0, 1, 2].map(|at| self.0[at] + other.0[at]))
     }
 
-    /// Where the cell of a column and a row is moved to.
-    fn place(self, column: usize, row: usize) -> [f32; 2] {
-        let [right, down, zoom] = self.0;
-        let [x, y] = from_middle(column, row);
-        [
-            x * zoom.exp() + right + MIDDLE[0],
-            y * zoom.exp() + down + MIDDLE[1],
-        ]
+    /// Where it moves the cell of a column and a row to.
+    fn to_places(self) -> impl Fn(usize, usize) -> [f32; 2] {
+        let [right, down, log_zoom] = self.0;
+        let zoom = log_zoom.exp();
+        move |column, row| {
+            let [x, y] = from_middle(column, row);
+            [x * zoom + right + MIDDLE[0], y * zoom + down + MIDDLE[1]]
+        }
     }
 }
 
@@ -129,8 +129,11 @@ impl Detail {
         for _ in 0..STEPS {
             let mut normal = Matrix4::<f32>::zeros();
             let mut right_side = Vector4::<f32>::zeros();
+            let place = shift.to_places();
+            // The other picture has c (D + ∇D·δ) there, if its contrast is c and the shift too far
+            // by δ: linear in c and c δ.
             for (column, row) in cells().step_by(2) {
-                let Some(seen) = other.sample(shift.place(column, row)) else {
+                let Some(seen) = other.sample(place(column, row)) else {
                     continue;
                 };
                 let [x, y] = from_middle(column, row);
@@ -180,9 +183,10 @@ impl Detail {
     /// still seen.
     pub fn compare(&self, other: &Self, shift: Shift) -> Vec<Left> {
         let mut blocks = vec![[0.0_f32; 3]; BLOCKS[0] * BLOCKS[1]];
+        let place = shift.to_places();
         for (column, row) in cells() {
             let block = &mut blocks[row / BLOCK[1] * BLOCKS[0] + column / BLOCK[0]];
-            if let Some(seen) = other.sample(shift.place(column, row)) {
+            if let Some(seen) = other.sample(place(column, row)) {
                 let own = self.at(column, row);
                 block[0] += own * seen;
                 block[1] += own * own;

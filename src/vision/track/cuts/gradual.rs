@@ -38,7 +38,7 @@ const MOST_OFF_EITHER: f32 = 0.2;
 /// pictures.
 const MOST_INCOHERENT: f32 = 0.55;
 /// Maximum share of the change that one frame may bring; a hard cut brings all of it.
-pub const MOST_OF_CHANGE: f32 = 0.5;
+const MOST_OF_CHANGE: f32 = 0.5;
 /// Maximum doubt of a transition beside which a camera may turn or zoom fast.
 const EXACT: f32 = 0.35;
 /// Distance of the pictures to which the second ramp is fitted from the first ramp, frames.
@@ -68,6 +68,11 @@ pub trait Frames {
     fn frame(&self, number: usize) -> Option<&Miniature>;
     /// The difference of a frame from the one before it under the best shift, grey levels.
     fn step(&self, number: usize) -> f32;
+
+    /// Whether a frame brings so much of a change that it is a hard cut.
+    fn is_abrupt(&self, number: usize, change: f32) -> bool {
+        self.step(number) > MOST_OF_CHANGE * change
+    }
 }
 
 /// The gradual transition whose middle is near a frame; none if there is none.
@@ -75,8 +80,8 @@ pub fn find_gradual(frames: &impl Frames, middle: usize) -> Option<Gradual> {
     let windows = HALF_WINDOWS.iter().filter_map(|half| {
         let window = middle.checked_sub(*half)?..middle + half;
         let ends = Ends::new(frames, window.clone())?;
-        let abrupt = ends.change * MOST_OF_CHANGE;
-        if ends.change < LEAST_CHANGE || window.clone().any(|at| frames.step(at + 1) > abrupt) {
+        let mut within = window.clone();
+        if ends.change < LEAST_CHANGE || within.any(|at| frames.is_abrupt(at + 1, ends.change)) {
             return None;
         }
         let at = [middle - half / 2, middle, middle + half / 2];
@@ -140,15 +145,14 @@ impl<'a, F: Frames> Ends<'a, F> {
     /// mean square of what is left of α.
     fn fit_ramp(&self) -> Option<(Range<usize>, f32)> {
         // The ramp may begin and end beside the window, but not beyond a hard cut.
-        let is_abrupt = |at: usize| self.frames.step(at) > MOST_OF_CHANGE * self.change;
         let window = &self.window;
         let first = (window.start.saturating_sub(BESIDE)..window.start)
             .rev()
-            .take_while(|at| !is_abrupt(at + 1))
+            .take_while(|at| !self.frames.is_abrupt(at + 1, self.change))
             .last()
             .unwrap_or(window.start);
         let last = (window.end + 1..=window.end + BESIDE)
-            .take_while(|at| !is_abrupt(*at))
+            .take_while(|at| !self.frames.is_abrupt(*at, self.change))
             .last()
             .unwrap_or(window.end);
         // In a wipe the cells are counted, so that those in which both pictures are alike, and
@@ -258,17 +262,16 @@ fn check(frames: &impl Frames, ramp: Range<usize>, misfit: f32) -> Option<Gradua
     // before and after, so each side is compared over the length of the transition, as far as its
     // shot goes.
     let moved = before.difference_over_zoom(after);
-    let is_abrupt = |at: usize| frames.step(at) > MOST_OF_CHANGE * change;
     let is_steady = |from: Option<&Miniature>, to: &Miniature| {
         from.is_none_or(|from| from.difference(to) <= MOST_INCOHERENT * moved)
     };
     let length = ramp.len().max(BESIDE);
     let earlier = (last_before.saturating_sub(length)..last_before)
         .rev()
-        .take_while(|at| frames.frame(*at).is_some() && !is_abrupt(at + 1))
+        .take_while(|at| frames.frame(*at).is_some() && !frames.is_abrupt(at + 1, change))
         .last();
     let later = (ramp.end + 1..=ramp.end + length)
-        .take_while(|at| frames.frame(*at).is_some() && !is_abrupt(*at))
+        .take_while(|at| frames.frame(*at).is_some() && !frames.is_abrupt(*at, change))
         .last();
     let is_coherent = is_steady(earlier.and_then(|at| frames.frame(at)), before)
         && is_steady(later.and_then(|at| frames.frame(at)), after);

@@ -1,7 +1,7 @@
 //! Wipes with a graphic: a logo or a picture that covers the old shot and uncovers the new one.
 
 use super::gradual::{CHANGED, Frames, LEAST_CHANGE, LEAST_CHANGED_SHARE};
-use super::{CutFinder, LEAST_CUT};
+use super::{CutFinder, LEAST_CUT, in_order};
 use std::ops::Range;
 
 /// In a wipe with a graphic, frames that change as in a cut are at most this far apart, frames.
@@ -62,8 +62,7 @@ impl CutFinder {
 
     /// The lower quartile of the differences of some frames from the previous one; 0 for none.
     fn quiet_step(&self, frames: Range<usize>) -> f32 {
-        let mut steps: Vec<f32> = frames.map(|at| self.measured[at].step).collect();
-        steps.sort_by(f32::total_cmp);
+        let steps = in_order(frames.map(|at| self.measured[at].step));
         steps.get(steps.len() / 4).copied().unwrap_or_default()
     }
 }

@@ -297,8 +297,7 @@ impl CutFinder {
         );
         let around = (from..=to).filter(|at| at.abs_diff(frame) > 1);
         // The median is robust against another cut or a flash near by.
-        let mut steps: Vec<f32> = around.map(|at| self.measured[at].step).collect();
-        steps.sort_by(f32::total_cmp);
+        let steps = in_order(around.map(|at| self.measured[at].step));
         let motion = steps.get(steps.len() / 2).copied().unwrap_or_default();
         // In a close-up that moves fast, a cut changes more than any frame near by.
         let most = steps.last().copied().unwrap_or_default();
@@ -340,6 +339,12 @@ impl CutFinder {
         }
         fades
     }
+}
+
+fn in_order(values: impl IntoIterator<Item = f32>) -> Vec<f32> {
+    let mut values: Vec<f32> = values.into_iter().collect();
+    values.sort_by(f32::total_cmp);
+    values
 }
 
 /// Of the transitions that overlap, the one that is explained best, if there are `least` of them.

@@ -17,7 +17,8 @@
 //! and after agree as far as they overlap.
 
 use super::detail::{Left, Shift};
-use super::gradual::{Frames, Gradual, LEAST_CHANGE, MOST_OF_CHANGE, Ramp, fit_ramp};
+use super::gradual::{Frames, Gradual, LEAST_CHANGE, Ramp, fit_ramp};
+use super::in_order;
 use std::ops::Range;
 
 /// Distances of the reference from the middle, frames.
@@ -134,19 +135,22 @@ impl Course {
             let Some(frame) = at.and_then(|at| frames.frame(at)) else {
                 break;
             };
+            let frame = frame.detail();
             let predicted = course.shift.plus(speed);
-            let measured = followed.align(frame.detail(), predicted);
-            let by_measure = followed.compare(frame.detail(), measured);
             // Once it is nearly gone, it would be found in any picture by chance.
-            is_lost |= mean_share(&by_measure).is_none_or(|share| share <= FOLLOWED);
-            let left = if is_lost {
-                course.shift = predicted;
-                followed.compare(frame.detail(), predicted)
-            } else {
-                let moved = measured.plus(course.shift.times(-1.0));
+            let measured = (!is_lost)
+                .then(|| followed.align(frame, predicted))
+                .map(|shift| (shift, followed.compare(frame, shift)))
+                .filter(|(_, left)| mean_share(left).is_some_and(|share| share > FOLLOWED));
+            is_lost = measured.is_none();
+            let left = if let Some((shift, left)) = measured {
+                let moved = shift.plus(course.shift.times(-1.0));
                 speed = speed.times(0.6).plus(moved.times(0.4));
-                course.shift = measured;
-                by_measure
+                course.shift = shift;
+                left
+            } else {
+                course.shift = predicted;
+                followed.compare(frame, predicted)
             };
             let Some(share) = mean_share(&left) else {
                 break;
@@ -225,7 +229,7 @@ impl Vanishing {
         let is_found = 2 * own.mixed.len() > self.length
             && own.mixed.last().is_some_and(|left| *left >= LEAST_OWN)
             && change >= LEAST_CHANGE
-            && (last + 1..=first).all(|at| frames.step(at) <= MOST_OF_CHANGE * change);
+            && !(last + 1..=first).any(|at| frames.is_abrupt(at, change));
         is_found.then_some(Gradual {
             frames: last + 1..first,
             doubt: self.misfit,
@@ -237,7 +241,7 @@ impl Vanishing {
 /// graphics that both have.
 fn fit_fall(course: &[f32]) -> Option<Ramp> {
     let end = course.len().saturating_sub(AFTER);
-    let rest = median(course[end..].to_vec())?.max(0.0);
+    let rest = median(course[end..].iter().copied())?.max(0.0);
     if rest > MOST_LEFT {
         return None;
     }
@@ -258,7 +262,7 @@ fn mean_share(left: &[Left]) -> Option<f32> {
     (power > 0.0).then(|| sum / power)
 }
 
-fn median(mut values: Vec<f32>) -> Option<f32> {
-    values.sort_by(f32::total_cmp);
+fn median(values: impl IntoIterator<Item = f32>) -> Option<f32> {
+    let values = in_order(values);
     values.get(values.len() / 2).copied()
 }
